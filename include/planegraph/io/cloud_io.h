@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planegraph/cloud/cloud.h"
+
+namespace planegraph {
+
+/// Reads a cloud: PLY (ascii, binary little and big endian, float or double), PCD (ascii, binary,
+/// binary_compressed), XYZ/TXT/CSV, 3DTK `.3d`. `format` is "auto" (by the ending, checked against
+/// the content), "ply", "pcd", "xyz" or "3dtk". Points with a NaN or infinite coordinate are dropped.
+/// 3DTK clouds come right-handed in metres (x forward, y left, z up). Throws InputError.
+Cloud ReadCloud(const std::string& path, const std::string& format = "auto");
+
+/// An additional integer property per point, for example the plane's id.
+struct IntProperty {
+  std::string name;
+  std::vector<std::int32_t> values;
+};
+
+/// Writes a cloud by the ending of `path` (.ply binary little endian, .pcd binary, .xyz text),
+/// atomically. The offset is written as the comment `offset X Y Z` and the points as floats beside
+/// it. Throws InputError.
+void WriteCloud(const std::string& path, const Cloud& cloud,
+                const std::vector<IntProperty>& properties = {});
+
+}  // namespace planegraph

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planegraph/geometry/rigid3.h"
+
+namespace planegraph {
+
+/// Poses with time stamps (seconds), world_from_body. KITTI and 3DTK have no times: the 0-based
+/// index then stands for it and has_times is false.
+struct Trajectory {
+  std::vector<double> times;
+  std::vector<Rigid3> poses;
+  bool has_times = true;
+
+  std::size_t size() const { return poses.size(); }
+};
+
+/// Reads TUM (8 columns), KITTI (12 columns) or a folder of 3DTK .frames/.pose files, told apart by
+/// the content. Throws InputError.
+Trajectory ReadTrajectory(const std::string& path);
+
+/// Writes TUM, full precision, atomically.
+void WriteTum(const std::string& path, const Trajectory& trajectory);
+
+/// Writes KITTI (row-major 3x4 per line), full precision, atomically.
+void WriteKitti(const std::string& path, const Trajectory& trajectory);
+
+/// The last line of a 3DTK .frames file, as a right-handed pose in metres (x forward, y left, z up).
+Rigid3 Read3dtkFrames(const std::string& path);
+/// A 3DTK .pose file (position in cm, Euler angles in degrees, left-handed), converted likewise.
+Rigid3 Read3dtkPose(const std::string& path);
+/// One .frames file that holds the pose (type LUM), the exact inverse of Read3dtkFrames.
+void Write3dtkFrames(const std::string& path, const Rigid3& world_from_scan);
+
+}  // namespace planegraph

@@ -1,0 +1,74 @@
+#include "tools/command.h"
+
+#include <gflags/gflags.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "planegraph/base/atomic_file.h"
+#include "planegraph/base/error.h"
+#include "planegraph_version.h"
+#include "tools/common_flags.h"
+
+DEFINE_int32(threads, 0, "number of threads (0: all cores)");
+DEFINE_uint64(seed, 0, "seed of everything random");
+DEFINE_bool(json, false, "print the result as one JSON object on stdout");
+DEFINE_bool(quiet, false, "print nothing but errors");
+DEFINE_int32(log_level, 1, "least severity logged: 0 info, 1 warning, 2 error");
+DEFINE_string(output, "", "file for the result");
+DEFINE_string(output_dir, "", "folder for the results");
+
+namespace planegraph::tools {
+namespace {
+
+const auto kStart = std::chrono::steady_clock::now();
+
+nlohmann::json ChangedFlags() {
+  nlohmann::json flags = nlohmann::json::object();
+  std::vector<gflags::CommandLineFlagInfo> all;
+  gflags::GetAllFlags(&all);
+  for (const auto& flag : all) {
+    if (!flag.is_default && flag.name != "flagfile") flags[flag.name] = flag.current_value;
+  }
+  return flags;
+}
+
+}  // namespace
+
+void ExpectArguments(const std::vector<std::string>& arguments, std::size_t least,
+                     std::size_t most) {
+  if (arguments.size() < least) throw UsageError("an argument is missing");
+  if (arguments.size() > most) throw UsageError("unexpected argument: " + arguments[most]);
+}
+
+void RequireFlag(const std::string& name) {
+  std::string value;
+  if (gflags::GetCommandLineOption(name.c_str(), &value) && value.empty()) {
+    throw UsageError("the flag --" + name + " is missing");
+  }
+}
+
+double SecondsSinceStart() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - kStart).count();
+}
+
+nlohmann::json VersionStamp() {
+  return {{"version", PLANEGRAPH_VERSION},
+          {"commit", PLANEGRAPH_COMMIT},
+          {"command", gflags::GetArgv()},
+          {"flags", ChangedFlags()},
+          {"seed", FLAGS_seed}};
+}
+
+void EmitResult(nlohmann::json result, bool write_output) {
+  result["planegraph"] = VersionStamp();
+  result["seconds"] = SecondsSinceStart();
+  if (write_output && !FLAGS_output.empty()) {
+    WriteTextFile(FLAGS_output, result.dump(1) + "\n");
+  }
+  if (FLAGS_json) std::cout << result.dump() << "\n";
+}
+
+bool WantsText() { return !FLAGS_json && !FLAGS_quiet; }
+
+}  // namespace planegraph::tools
