@@ -1,9 +1,18 @@
+# planegraph_find_package(NAME ...): find_package(NAME ... REQUIRED) for what our libraries link. The installed package
+# looks for the same again on behalf of its users.
+macro(planegraph_find_package)
+  find_package(${ARGN} REQUIRED)
+  string(REPLACE ";" " " package "${ARGN}")
+  set_property(GLOBAL APPEND PROPERTY PLANEGRAPH_PACKAGES "${package}")
+endmacro()
+
 # Packages of the core. PCL, Embree, GTest and Benchmark are looked for where they are used.
-find_package(Threads REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(Ceres 2.1 REQUIRED)
+planegraph_find_package(Threads)
+planegraph_find_package(Eigen3 3.4 NO_MODULE)
+planegraph_find_package(Ceres 2.1)
+planegraph_find_package(nlohmann_json 3.11)
+planegraph_find_package(yaml-cpp)
+planegraph_find_package(nanoflann)
+# Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)
-find_package(nlohmann_json 3.11 REQUIRED)
-find_package(yaml-cpp REQUIRED)
-find_package(nanoflann REQUIRED)

@@ -1,0 +1,137 @@
+// The exit codes and messages that scripts rely on, of the built tool itself. The commands and
+// their flags are taken from its own help, so that a new command is tried without a word here.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+
+#include "cli/tool_runner.h"
+
+namespace planegraph::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+bool IsListed(const std::string& command) {
+  const auto commands = ListedCommands();
+  return std::count(commands.begin(), commands.end(), command) > 0;
+}
+
+// One line `error: ...` on stderr and nothing on stdout.
+void ExpectOneError(const Outcome& outcome, const std::string& text) {
+  EXPECT_THAT(outcome.err, StartsWith("error: "));
+  EXPECT_THAT(outcome.err, HasSubstr(text));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_THAT(outcome.out, IsEmpty());
+}
+
+TEST(Cli, HelpListsTheCommandsAndTheExitCodes) {
+  for (const char* arguments : {"", "help", "--help", "-h"}) {
+    const Outcome outcome = RunTool(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << arguments;
+    EXPECT_THAT(outcome.out, HasSubstr("planegraph COMMAND")) << arguments;
+    EXPECT_THAT(outcome.out, HasSubstr("exit codes:")) << arguments;
+    EXPECT_THAT(outcome.err, IsEmpty()) << arguments;
+  }
+}
+
+TEST(Cli, VersionIsOneLine) {
+  for (const char* arguments : {"version", "--version"}) {
+    const Outcome outcome = RunTool(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_TRUE(std::regex_match(
+        outcome.out, std::regex(R"(planegraph \d+\.\d+\.\d+ \(([0-9a-f]{12}|unknown)\)\n)")))
+        << outcome.out;
+  }
+}
+
+TEST(Cli, UnknownCommand) {
+  const Outcome outcome = RunTool("no_such_command");
+  EXPECT_EQ(outcome.exit_code, 1);
+  ExpectOneError(outcome, "no_such_command");
+}
+
+TEST(Cli, EveryCommandExplainsItself) {
+  for (const auto& command : ListedCommands()) {
+    const Outcome outcome = RunTool(command + " --help");
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_THAT(outcome.out, StartsWith("planegraph " + command)) << command;
+    EXPECT_THAT(outcome.out, HasSubstr("--threads")) << command;
+    EXPECT_THAT(outcome.err, IsEmpty()) << command;
+  }
+}
+
+TEST(Cli, EveryListedFlagIsDefined) {
+  for (const auto& command : ListedCommands()) {
+    const std::string help = RunTool(command + " --help").out;
+    for (const auto& [flag, value] : ListedFlags(command)) {
+      EXPECT_THAT(help, HasSubstr("--" + flag + "  ")) << command << " has --" << flag;
+    }
+  }
+}
+
+TEST(Cli, UnknownFlag) {
+  for (const auto& command : ListedCommands()) {
+    const Outcome outcome = RunTool(command + " --no_such_flag=1");
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("no_such_flag")) << command;
+    EXPECT_THAT(outcome.out, IsEmpty()) << command;
+  }
+}
+
+TEST(Cli, AFlagOfAnotherCommandIsRefused) {
+  std::map<std::string, std::string> flags;  // all flags with their defaults
+  for (const auto& command : ListedCommands()) {
+    for (const auto& [flag, value] : ListedFlags(command)) flags[flag] = value;
+  }
+  for (const auto& command : ListedCommands()) {
+    std::map<std::string, std::string> foreign = flags;
+    for (const auto& [flag, value] : ListedFlags(command)) foreign.erase(flag);
+    for (const auto& [flag, value] : foreign) {
+      const std::string other = value == "true" ? "false" : value == "false" ? "true" : "7";
+      const Outcome outcome = RunTool(command + " --" + flag + "=" + other);
+      EXPECT_EQ(outcome.exit_code, 1) << command << " --" << flag;
+      ExpectOneError(outcome, "has no flag --" + flag);
+    }
+  }
+}
+
+TEST(Cli, AFlagWithABadValueIsWrongUsage) {
+  for (const auto& command : ListedCommands()) {
+    const Outcome outcome = RunTool(command + " --threads=many");
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("threads")) << command;
+  }
+}
+
+TEST(Cli, TooManyArgumentsAreWrongUsage) {
+  for (const auto& command : ListedCommands()) {
+    if (command == "locate") continue;  // takes any number of scans
+    EXPECT_EQ(RunTool(command + " a b c d e f g").exit_code, 1) << command;
+  }
+}
+
+TEST(Cli, AMissingFileIsBadInputAndNamed) {
+  const std::pair<const char*, const char*> runs[] = {
+      {"map", "missing.yaml --output_dir=out"},
+      {"segment", "missing.ply --output=planes.json"},
+      {"register", "missing.ply missing.ply --output=out.json"},
+      {"convert", "missing.ply out.ply"},
+      {"evaluate", "--reference=missing.tum --estimate=missing.tum"},
+      {"evaluate", "--map=missing.ply"},
+  };
+  for (const auto& [command, arguments] : runs) {
+    if (!IsListed(command)) continue;
+    SCOPED_TRACE(command);
+    const Outcome outcome = RunTool(std::string(command) + " " + arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    ExpectOneError(outcome, "missing.");
+  }
+}
+
+}  // namespace
+}  // namespace planegraph::cli
