@@ -7,6 +7,7 @@
 
 #include "planegraph/geometry/moments.h"
 #include "planegraph/geometry/plane.h"
+#include "planegraph/segmentation/noise_model.h"
 
 namespace planegraph {
 
@@ -16,10 +17,14 @@ enum class CloudKind { kLaser, kVision };
 /// How the sign of a segment's normal was found.
 enum class Orientation { kSensor, kUnknown };
 
-/// A small piece of a segment: the points of it within one grid cell. Patches keep a segment's
-/// locality (which part of a wall was seen) when the points are gone.
+/// A small planar piece of a surface: the points within one cell of the segmentation's octree.
+/// Patches keep a segment's locality (which part of a wall was seen) when the points are gone.
 struct Patch {
-  Moments moments;  ///< in the cloud's frame, metres
+  Moments moments;         ///< in the cloud's frame, metres
+  Eigen::Vector3d normal;  ///< unit normal, turned like the segment's
+  double size = 0.0;       ///< edge length of the cell, metres
+  double sigma = 0.0;      ///< noise of one point along the normal by the sensor's model, metres
+  int segment = -1;        ///< index into PlaneSet::planes, -1: part of none
 };
 
 /// Cells of a grid in the segment's plane that hold points: which part of the plane was seen. The
@@ -56,7 +61,6 @@ struct PlaneSegment {
   CloudKind source = CloudKind::kLaser;
   SupportMask mask;
   std::vector<Eigen::Vector3d> hull;  ///< convex outline in the plane, in order, cloud frame
-  std::vector<Patch> patches;
 
   const Eigen::Vector3d& centroid() const { return moments.mean; }
 };
@@ -65,10 +69,12 @@ struct PlaneSegment {
 struct PlaneSet {
   CloudKind kind = CloudKind::kLaser;
   std::vector<PlaneSegment> planes;
+  /// All planar cells, those of segments and those too small for one.
+  std::vector<Patch> patches;
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< sensor position, cloud frame
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< taken off the cloud's coordinates before
   std::size_t point_count = 0;                       ///< of the cloud after the filters
-  double noise_sigma = 0.0;  ///< estimated noise of a point along the normal, metres, median range
+  NoiseModel noise;  ///< of a point along the normal, as estimated or given
 };
 
 }  // namespace planegraph

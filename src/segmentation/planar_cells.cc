@@ -1,0 +1,116 @@
+#include "segmentation/planar_cells.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace planegraph {
+namespace {
+
+constexpr double kLeastPoints = 5;
+
+struct Splitter {
+  const CellOctree& octree;
+  const Cloud& cloud;
+  const NoiseModel& noise;
+  const SegmentationOptions& options;
+  CellSplit split;
+
+  bool TryPlanar(int level, std::uint32_t index);
+  void Visit(int level, std::uint32_t index);
+  void Mark(int level, std::uint32_t index, std::int32_t owner);
+};
+
+bool Splitter::TryPlanar(int level, std::uint32_t index) {
+  const CellSums& sums = octree.Level(level)[index].sums;
+  if (sums.count < kLeastPoints) return false;
+  const Moments moments = sums.ToMoments();
+  const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
+  const Sighting seen(cloud, moments.mean, axes.vectors.col(0));
+  const double sigma = noise.AlongNormal(seen.range, seen.cosine);
+  if (!IsPlanar(axes.values[0], sums.count, sigma, options.planarity)) return false;
+  if (!SpansPlane(axes, sums.count, sigma)) return false;
+  const double tilt = sigma / std::sqrt(std::max(axes.values[1], 1e-300));
+  if (tilt > options.max_tilt_deg * std::numbers::pi / 180.0) return false;
+  const Eigen::Vector3d to_sensor = cloud.viewpoint - cloud.offset - moments.mean;
+  Eigen::Vector3d normal = axes.vectors.col(0);
+  if (normal.dot(to_sensor) < 0) normal = -normal;
+  split.planar.push_back({level, index, moments.mean, normal, sums.count, sigma, tilt});
+  return true;
+}
+
+void Splitter::Mark(int level, std::uint32_t index, std::int32_t owner) {
+  split.owner[level][index] = owner;
+  if (level == 0) return;
+  const auto& cell = octree.Level(level)[index];
+  for (std::uint32_t k = 0; k < cell.child_count; ++k) Mark(level - 1, cell.first_child + k, owner);
+}
+
+void Splitter::Visit(int level, std::uint32_t index) {
+  if (TryPlanar(level, index)) {
+    return Mark(level, index, static_cast<std::int32_t>(split.planar.size() - 1));
+  }
+  if (level == 0) {
+    split.owner[0][index] = CellSplit::kRough;
+    return;
+  }
+  split.owner[level][index] = CellSplit::kSplit;
+  const auto& cell = octree.Level(level)[index];
+  for (std::uint32_t k = 0; k < cell.child_count; ++k) Visit(level - 1, cell.first_child + k);
+}
+
+}  // namespace
+
+Sighting::Sighting(const Cloud& cloud, const Eigen::Vector3d& point,
+                   const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d beam = point + cloud.offset - cloud.viewpoint;
+  range = beam.norm();
+  cosine = range > 0 ? std::abs(normal.dot(beam)) / range : 1.0;
+}
+
+bool SpansPlane(const PrincipalAxes& axes, double count, double sigma) {
+  constexpr double kLeastAspect = 0.01;  // squared: the narrow side is a tenth of the long one
+  constexpr double kLeastSpread = 9.0;   // squared: three standard deviations of the noise
+  return axes.values[1] > kLeastAspect * axes.values[2] &&
+         axes.values[1] > kLeastSpread * sigma * sigma * count;
+}
+
+bool IsPlanar(double smallest_eigenvalue, double count, double sigma, double planarity) {
+  // Mean of chi-square with count - 3 degrees of freedom, plus three of its standard deviations.
+  const double freedom = std::max(count - 3.0, 1.0);
+  const double slack = 1.0 + 3.0 * std::sqrt(2.0 / freedom);
+  return smallest_eigenvalue / freedom <= planarity * planarity * sigma * sigma * slack;
+}
+
+std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud) {
+  // Cells well above the noise and well below the objects; enough points for a variance.
+  constexpr int kLevel = 2;
+  constexpr double kEnough = 12;
+  constexpr double kNotALine = 0.1;
+  std::vector<NoiseSample> samples;
+  for (const auto& cell : octree.Level(std::min(kLevel, octree.levels() - 1))) {
+    if (cell.sums.count < kEnough) continue;
+    const Moments moments = cell.sums.ToMoments();
+    const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
+    const double variance = axes.values[0] / (moments.count - 3.0);
+    // No plane at all: edges, clutter, a single scan line.
+    if (!SpansPlane(axes, moments.count, std::sqrt(variance))) continue;
+    if (axes.values[1] < kNotALine * axes.values[2]) continue;
+    const Sighting seen(cloud, moments.mean, axes.vectors.col(0));
+    if (seen.cosine < NoiseModel::kLeastCosine) continue;
+    samples.push_back({seen.range, variance / (seen.cosine * seen.cosine)});
+  }
+  return samples;
+}
+
+CellSplit SplitIntoPlanarCells(const CellOctree& octree, const Cloud& cloud,
+                               const NoiseModel& noise, const SegmentationOptions& options) {
+  Splitter splitter{octree, cloud, noise, options, {}};
+  for (int level = 0; level < octree.levels(); ++level) {
+    splitter.split.owner.emplace_back(octree.Level(level).size(), CellSplit::kSplit);
+  }
+  const int top = octree.levels() - 1;
+  for (std::uint32_t i = 0; i < octree.Level(top).size(); ++i) splitter.Visit(top, i);
+  return std::move(splitter.split);
+}
+
+}  // namespace planegraph

@@ -1,0 +1,176 @@
+#include "planegraph/segmentation/segmenter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "segmentation/planar_cells.h"
+#include "segmentation/region_growing.h"
+#include "segmentation/segment_builder.h"
+
+namespace planegraph {
+namespace {
+
+// One run of the segmentation: its steps in order.
+class Segmenter {
+ public:
+  Segmenter(const Cloud& cloud, const SegmentationOptions& options)
+      : cloud_(cloud),
+        options_(options),
+        octree_(cloud, options.cell_size, options.levels),
+        noise_(options.noise ? *options.noise
+                             : EstimateNoise(CollectNoiseSamples(octree_, cloud))),
+        split_(SplitIntoPlanarCells(octree_, cloud, noise_, options)) {}
+
+  Segmentation Run();
+
+ private:
+  void KeepLargeRegions();
+  void LabelPlanarCells();
+  void LabelBoundaryPoints();
+  std::vector<std::int32_t> SegmentsAround(int level, const Eigen::Vector3i& at) const;
+  void LabelRoughCell(std::uint32_t cell);
+  void BuildSegments();
+  void CollectPatches();
+
+  const Cloud& cloud_;
+  const SegmentationOptions& options_;
+  CellOctree octree_;
+  NoiseModel noise_;
+  CellSplit split_;
+  std::vector<Region> regions_;
+  std::vector<std::int32_t> segment_of_cell_;  // planar cell -> segment
+  std::vector<std::int32_t> sorted_labels_;    // by the octree's point order
+  std::vector<Plane> planes_;                  // by segment
+  Segmentation result_;
+};
+
+void Segmenter::KeepLargeRegions() {
+  std::erase_if(regions_, [&](const Region& region) {
+    return region.sums.count < options_.min_points;
+  });
+  segment_of_cell_.assign(split_.planar.size(), -1);
+  for (std::size_t s = 0; s < regions_.size(); ++s) {
+    for (const std::uint32_t cell : regions_[s].cells) {
+      segment_of_cell_[cell] = static_cast<std::int32_t>(s);
+    }
+    planes_.push_back(LeastSquaresPlane(regions_[s].sums.ToMoments(),
+                                        cloud_.viewpoint - cloud_.offset));
+  }
+}
+
+void Segmenter::LabelPlanarCells() {
+  sorted_labels_.assign(cloud_.size(), -1);
+  for (std::size_t c = 0; c < split_.planar.size(); ++c) {
+    const PlanarCell& planar = split_.planar[c];
+    const auto& cell = octree_.Level(planar.level)[planar.index];
+    std::fill_n(sorted_labels_.begin() + cell.first_point, cell.point_count, segment_of_cell_[c]);
+  }
+}
+
+std::vector<std::int32_t> Segmenter::SegmentsAround(int level, const Eigen::Vector3i& at) const {
+  std::vector<std::int32_t> found;
+  for (int k = 0; k < 27; ++k) {
+    const Eigen::Vector3i coordinates =
+        at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const int cell = octree_.Find(level, coordinates);
+    if (cell < 0 || split_.owner[level][cell] < 0) continue;
+    const std::int32_t segment = segment_of_cell_[split_.owner[level][cell]];
+    if (segment >= 0 && std::find(found.begin(), found.end(), segment) == found.end()) {
+      found.push_back(segment);
+    }
+  }
+  return found;
+}
+
+// Points at the border of planes: each goes to the nearest plane that touches its cell, where the
+// noise allows it.
+void Segmenter::LabelRoughCell(std::uint32_t index) {
+  constexpr double kGate = 2.5;
+  const auto& cell = octree_.Level(0)[index];
+  std::vector<std::int32_t> near;
+  Eigen::Vector3i at = CellOctree::Coordinates(cell.key);
+  for (int level = 0; level < std::min(3, octree_.levels()) && near.empty(); ++level, at /= 2) {
+    near = SegmentsAround(level, at);
+  }
+  if (near.empty()) return;
+  for (std::uint32_t i = cell.first_point; i < cell.first_point + cell.point_count; ++i) {
+    const Eigen::Vector3d point = octree_.sorted_points()[i].cast<double>();
+    double best = kGate;
+    for (const std::int32_t s : near) {
+      const Sighting seen(cloud_, point, planes_[s].normal);
+      const double sigma = noise_.AlongNormal(seen.range, seen.cosine);
+      const double distance = std::abs(planes_[s].SignedDistance(point)) / sigma;
+      if (distance < best) best = distance, sorted_labels_[i] = s;
+    }
+  }
+}
+
+void Segmenter::LabelBoundaryPoints() {
+  const auto& owners = split_.owner[0];
+  for (std::uint32_t c = 0; c < owners.size(); ++c) {
+    if (owners[c] == CellSplit::kRough || (owners[c] >= 0 && segment_of_cell_[owners[c]] < 0)) {
+      LabelRoughCell(c);
+    }
+  }
+}
+
+void Segmenter::BuildSegments() {
+  std::vector<std::vector<std::uint32_t>> members(regions_.size());
+  for (std::size_t s = 0; s < regions_.size(); ++s) {
+    members[s].reserve(static_cast<std::size_t>(regions_[s].sums.count));
+  }
+  for (std::uint32_t i = 0; i < sorted_labels_.size(); ++i) {
+    if (sorted_labels_[i] >= 0) members[sorted_labels_[i]].push_back(i);
+  }
+  std::vector<std::int32_t> new_id(regions_.size(), -1);
+  for (std::size_t s = 0; s < regions_.size(); ++s) {
+    PlaneSegment segment = BuildSegment(regions_[s], planes_[s], octree_.sorted_points(),
+                                        members[s], options_);
+    if (segment.area < options_.min_area) continue;
+    segment.id = new_id[s] = static_cast<std::int32_t>(result_.planes.planes.size());
+    result_.planes.planes.push_back(std::move(segment));
+  }
+  for (auto& label : sorted_labels_) label = label < 0 ? -1 : new_id[label];
+  for (auto& segment : segment_of_cell_) segment = segment < 0 ? -1 : new_id[segment];
+}
+
+void Segmenter::CollectPatches() {
+  result_.planes.patches.reserve(split_.planar.size());
+  for (std::size_t c = 0; c < split_.planar.size(); ++c) {
+    const PlanarCell& cell = split_.planar[c];
+    result_.planes.patches.push_back({octree_.Level(cell.level)[cell.index].sums.ToMoments(),
+                                      cell.normal, octree_.CellSize(cell.level), cell.sigma,
+                                      segment_of_cell_[c]});
+  }
+}
+
+Segmentation Segmenter::Run() {
+  regions_ = GrowRegions(octree_, split_, FindNeighbours(octree_, split_), options_.planarity);
+  KeepLargeRegions();
+  LabelPlanarCells();
+  LabelBoundaryPoints();
+  BuildSegments();
+  CollectPatches();
+  result_.noise = noise_;
+  PlaneSet& set = result_.planes;
+  set.kind = options_.kind;
+  set.offset = cloud_.offset;
+  set.viewpoint = cloud_.viewpoint - cloud_.offset;
+  set.point_count = cloud_.size();
+  set.noise = noise_;
+  result_.labels.assign(cloud_.size(), -1);
+  for (std::size_t i = 0; i < sorted_labels_.size(); ++i) {
+    result_.labels[octree_.order()[i]] = sorted_labels_[i];
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+Segmentation SegmentPlanes(const Cloud& cloud, const SegmentationOptions& options) {
+  return Segmenter(cloud, options).Run();
+}
+
+}  // namespace planegraph
