@@ -24,7 +24,7 @@ endfunction()
 function(planegraph_export TARGET NAME)
   add_library(Planegraph::${NAME} ALIAS ${TARGET})
   set_target_properties(${TARGET} PROPERTIES EXPORT_NAME ${NAME})
-  set_property(GLOBAL APPEND PROPERTY PLANEGRAPH_EXPORTED ${TARGET})
+  set_property(GLOBAL APPEND PROPERTY PLANEGRAPH_MODULES ${TARGET})
 endfunction()
 
 # planegraph_add_tests(NAME DEPENDS targets...): one test program from tests/NAME/*_test.cc.

@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Planegraph)
-get_property(exported GLOBAL PROPERTY PLANEGRAPH_EXPORTED)
+get_property(exported GLOBAL PROPERTY PLANEGRAPH_MODULES)
 get_property(packages GLOBAL PROPERTY PLANEGRAPH_PACKAGES)
 list(REMOVE_DUPLICATES packages)
 list(TRANSFORM packages REPLACE "(.+)" "find_dependency(\\1)")
