@@ -23,8 +23,8 @@ void ExpectArguments(const std::vector<std::string>& arguments, std::size_t leas
 /// Stops with UsageError where the flag NAME has no value.
 void RequireFlag(const std::string& name);
 
-/// Completes a result with `planegraph` (version, commit, command, flags, seed) and `seconds`, writes
-/// it to --output where `write_output` is set and the flag given, and to stdout with --json.
+/// Completes a result with `planegraph` (version, commit, command, flags, seed) and `seconds`,
+/// writes it to --output where `write_output` is set and the flag given, and to stdout with --json.
 void EmitResult(nlohmann::json result, bool write_output);
 
 /// Seconds since the program started.

@@ -19,8 +19,8 @@ class KdTree {
     std::uint32_t index;
     float squared_distance;
   };
-  /// The k nearest points (fewer where the cloud is smaller), nearest first; `query` itself included
-  /// where it is in the cloud.
+  /// The k nearest points (fewer where the cloud is smaller), nearest first; `query` itself
+  /// included where it is in the cloud.
   void Nearest(const Eigen::Vector3f& query, std::size_t k, std::vector<Neighbour>* out) const;
   /// All points within `radius`, in no particular order.
   void Within(const Eigen::Vector3f& query, float radius, std::vector<Neighbour>* out) const;

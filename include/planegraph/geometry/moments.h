@@ -6,8 +6,8 @@
 
 namespace planegraph {
 
-/// Count, mean and centred scatter S = sum (p - mean)(p - mean)^T of a set of points. Two sets merge
-/// in O(1), and S does not cancel at large coordinates (Welford; Chan et al. 1979).
+/// Count, mean and centred scatter S = sum (p - mean)(p - mean)^T of a set of points. Two sets
+/// merge in O(1), and S does not cancel at large coordinates (Welford; Chan et al. 1979).
 struct Moments {
   double count = 0.0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
