@@ -9,8 +9,8 @@ namespace planegraph {
 
 /// Reads a cloud: PLY (ascii, binary little and big endian, float or double), PCD (ascii, binary,
 /// binary_compressed), XYZ/TXT/CSV, 3DTK `.3d`. `format` is "auto" (by the ending, checked against
-/// the content), "ply", "pcd", "xyz" or "3dtk". Points with a NaN or infinite coordinate are dropped.
-/// 3DTK clouds come right-handed in metres (x forward, y left, z up). Throws InputError.
+/// the content), "ply", "pcd", "xyz" or "3dtk". Points with a NaN or infinite coordinate are
+/// dropped. 3DTK clouds come right-handed in metres (x forward, y left, z up). Throws InputError.
 Cloud ReadCloud(const std::string& path, const std::string& format = "auto");
 
 /// An additional integer property per point, for example the plane's id.

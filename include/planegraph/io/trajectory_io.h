@@ -17,8 +17,9 @@ struct Trajectory {
   std::size_t size() const { return poses.size(); }
 };
 
-/// Reads TUM (8 columns), KITTI (12 columns) or a folder of 3DTK .frames/.pose files, told apart by
-/// the content. Throws InputError.
+/// Reads TUM (8 columns, quaternions normalized), KITTI (12 columns; a matrix that is not quite
+/// orthonormal becomes the nearest rotation) or a folder of 3DTK .frames files (else .pose files,
+/// in name order), told apart by the content. Throws InputError.
 Trajectory ReadTrajectory(const std::string& path);
 
 /// Writes TUM, full precision, atomically.
@@ -27,11 +28,14 @@ void WriteTum(const std::string& path, const Trajectory& trajectory);
 /// Writes KITTI (row-major 3x4 per line), full precision, atomically.
 void WriteKitti(const std::string& path, const Trajectory& trajectory);
 
-/// The last line of a 3DTK .frames file, as a right-handed pose in metres (x forward, y left, z up).
+/// The last line of a 3DTK .frames file, as a right-handed pose in metres (x forward, y left, z
+/// up).
 Rigid3 Read3dtkFrames(const std::string& path);
 /// A 3DTK .pose file (position in cm, Euler angles in degrees, left-handed), converted likewise.
 Rigid3 Read3dtkPose(const std::string& path);
 /// One .frames file that holds the pose (type LUM), the exact inverse of Read3dtkFrames.
 void Write3dtkFrames(const std::string& path, const Rigid3& world_from_scan);
+/// A .pose file (centimetres, degrees), the inverse of Read3dtkPose up to rounding.
+void Write3dtkPose(const std::string& path, const Rigid3& world_from_scan);
 
 }  // namespace planegraph

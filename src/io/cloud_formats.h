@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "planegraph/cloud/cloud.h"
+
+// The readers of one format each. They take a file's whole content; `file` is its name for
+// messages. All throw InputError. The cloud may be empty where the data are (ReadCloud refuses
+// that).
+
+namespace planegraph {
+
+Cloud ParsePly(std::string_view bytes, const std::string& file);
+Cloud ParsePcd(std::string_view bytes, const std::string& file);
+/// XYZ, TXT, CSV: with the names of the columns in a first line, or told apart by their number.
+Cloud ParseXyz(std::string_view bytes, const std::string& file);
+/// 3DTK .3d text: left-handed centimetres, up to ten header lines.
+Cloud Parse3dtkCloud(std::string_view bytes, const std::string& file);
+
+/// The vector of a comment `KEY X Y Z`; nothing where the comment is another one. Throws InputError
+/// (at `line`) where the key is right and the rest is not three finite numbers.
+std::optional<Eigen::Vector3d> ParseVectorComment(std::string_view comment, std::string_view key,
+                                                  const std::string& file, std::size_t line);
+/// `X Y Z` in full digits.
+std::string FormatVector(const Eigen::Vector3d& vector);
+
+/// Throws InputError unless `count` records of `record_bytes` fit into what is left of the file
+/// from `position` on; says how many bytes are missing. Safe for any numbers.
+void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+                     std::size_t record_bytes, const std::string& file);
+/// The same for lines of text with `columns` numbers, which need at least 2 bytes each (the last
+/// 1).
+void CheckLinesFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+                   std::size_t columns, const std::string& file);
+
+}  // namespace planegraph
