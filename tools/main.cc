@@ -96,12 +96,7 @@ int Dispatch(int argc, char** argv) {
   throw UsageError("unknown command '" + name + "' (see `planegraph help`)");
 }
 
-}  // namespace
-}  // namespace planegraph::tools
-
-int main(int argc, char** argv) {
-  using namespace planegraph;
-  using namespace planegraph::tools;
+int Run(int argc, char** argv) {
   try {
     return Dispatch(argc, argv);
   } catch (const UsageError& error) {
@@ -114,3 +109,8 @@ int main(int argc, char** argv) {
     return Fail(kDefect, error.what());
   }
 }
+
+}  // namespace
+}  // namespace planegraph::tools
+
+int main(int argc, char** argv) { return planegraph::tools::Run(argc, argv); }

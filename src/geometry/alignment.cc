@@ -27,7 +27,7 @@ Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d singular = svd.singularValues();
+  const Eigen::Vector3d& singular = svd.singularValues();
   const double determinant = (svd.matrixU() * svd.matrixV().transpose()).determinant();
   const Eigen::Vector3d signs(1.0, 1.0, determinant < 0 ? -1.0 : 1.0);
   const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
