@@ -114,8 +114,7 @@ CellOctree::CellOctree(const Cloud& cloud, double cell_size, int levels) : cell_
 
 std::vector<std::uint64_t> CellOctree::SortPoints(const Cloud& cloud) {
   // The grid starts one coarse cell below the smallest coordinate, so neighbours never underflow.
-  const Eigen::Vector3d origin =
-      Minimum(cloud.points).cast<double>().array() - 64.0 * cell_size_;
+  const Eigen::Vector3d origin = Minimum(cloud.points).cast<double>().array() - 64.0 * cell_size_;
   const double extent = (Maximum(cloud.points).cast<double>() - origin).maxCoeff() / cell_size_;
   if (!(extent < static_cast<double>((1 << kBitsPerAxis) - 64))) {
     throw std::length_error("the cloud's extent is too large for its cell size");
@@ -124,8 +123,7 @@ std::vector<std::uint64_t> CellOctree::SortPoints(const Cloud& cloud) {
   std::uint64_t used = 0;
   const double inverse = 1.0 / cell_size_;
   for (std::uint32_t i = 0; i < keyed.size(); ++i) {
-    const Eigen::Vector3i c =
-        ((cloud.points[i].cast<double>() - origin) * inverse).cast<int>();
+    const Eigen::Vector3i c = ((cloud.points[i].cast<double>() - origin) * inverse).cast<int>();
     keyed[i] = {MortonKey(c), i};
     used |= keyed[i].first;
   }

@@ -46,7 +46,8 @@ std::vector<Bin> BinByRange(const std::vector<NoiseSample>& sorted) {
       range += sorted[i].range;
     }
     std::sort(logs.begin(), logs.end());
-    result.push_back({range / static_cast<double>(end - begin), std::exp(0.5 * HalfSampleMode(logs))});
+    result.push_back(
+        {range / static_cast<double>(end - begin), std::exp(0.5 * HalfSampleMode(logs))});
   }
   return result;
 }

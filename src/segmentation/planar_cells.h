@@ -33,8 +33,8 @@ struct Sighting {
   Sighting(const Cloud& cloud, const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 };
 
-/// Whether the points spread enough in both directions to define a plane: a single scan line lies in
-/// the plane of its own scan, whatever it hit.
+/// Whether the points spread enough in both directions to define a plane: a single scan line lies
+/// in the plane of its own scan, whatever it hit.
 bool SpansPlane(const PrincipalAxes& axes, double count, double sigma);
 
 /// Samples for EstimateNoise from cells of about four finest edges.

@@ -137,9 +137,8 @@ std::vector<Region> Grower::Run() {
     if (region_of_[seed] == kNone) Grow(seed);
   }
   MergeTouching();
-  std::stable_sort(regions_.begin(), regions_.end(), [](const Region& a, const Region& b) {
-    return a.sums.count > b.sums.count;
-  });
+  std::stable_sort(regions_.begin(), regions_.end(),
+                   [](const Region& a, const Region& b) { return a.sums.count > b.sums.count; });
   return std::move(regions_);
 }
 
@@ -174,8 +173,7 @@ std::vector<std::vector<std::uint32_t>> FindNeighbours(const CellOctree& octree,
   std::vector<std::vector<std::uint32_t>> neighbours(split.planar.size());
   for (std::uint32_t i = 0; i < split.planar.size(); ++i) {
     const PlanarCell& cell = split.planar[i];
-    const Eigen::Vector3i at =
-        CellOctree::Coordinates(octree.Level(cell.level)[cell.index].key);
+    const Eigen::Vector3i at = CellOctree::Coordinates(octree.Level(cell.level)[cell.index].key);
     for (int k = 0; k < 27; ++k) {
       if (k == 13) continue;
       const Eigen::Vector3i offset(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);

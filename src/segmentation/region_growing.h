@@ -22,8 +22,8 @@ struct Region {
 std::vector<std::vector<std::uint32_t>> FindNeighbours(const CellOctree& octree,
                                                        const CellSplit& split);
 
-/// Grows regions from the best determined cells; every planar cell is in exactly one region. Regions
-/// of one plane that touch are merged.
+/// Grows regions from the best determined cells; every planar cell is in exactly one region.
+/// Regions of one plane that touch are merged.
 std::vector<Region> GrowRegions(const CellOctree& octree, const CellSplit& split,
                                 const std::vector<std::vector<std::uint32_t>>& neighbours,
                                 double planarity);

@@ -30,10 +30,11 @@ struct NoiseSample {
                           ///< divided by the squared cosine of incidence
 };
 
-/// The noise model that explains the flat ones among the samples: in bins of equal sample count over
-/// the range the mode of log(variance) is taken (half-sample mode, Bickel and Fruehwirth 2006; the
-/// cells that hold edges or clutter only make the upper tail longer), and a line with non-negative
-/// coefficients is fitted through the bins. With fewer than 30 samples: the default model.
+/// The noise model that explains the flat ones among the samples: in bins of equal sample count
+/// over the range the mode of log(variance) is taken (half-sample mode, Bickel and Fruehwirth 2006;
+/// the cells that hold edges or clutter only make the upper tail longer), and a line with
+/// non-negative coefficients is fitted through the bins. With fewer than 30 samples: the default
+/// model.
 NoiseModel EstimateNoise(std::vector<NoiseSample> samples);
 
 }  // namespace planegraph
