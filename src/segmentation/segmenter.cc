@@ -160,6 +160,7 @@ Segmentation Segmenter::Run() {
   set.viewpoint = cloud_.viewpoint - cloud_.offset;
   set.point_count = cloud_.size();
   set.noise = noise_;
+  if (options_.kind == CloudKind::kLaser) set.range_image = RangeImage(cloud_);
   result_.labels.assign(cloud_.size(), -1);
   for (std::size_t i = 0; i < sorted_labels_.size(); ++i) {
     result_.labels[octree_.order()[i]] = sorted_labels_[i];

@@ -8,6 +8,7 @@
 #include "planegraph/geometry/moments.h"
 #include "planegraph/geometry/plane.h"
 #include "planegraph/segmentation/noise_model.h"
+#include "planegraph/segmentation/range_image.h"
 
 namespace planegraph {
 
@@ -74,6 +75,7 @@ struct PlaneSet {
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< sensor position, cloud frame
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< taken off the cloud's coordinates before
   std::size_t point_count = 0;                       ///< of the cloud after the filters
+  RangeImage range_image;  ///< free space as the laser saw it; empty for vision clouds
   NoiseModel noise;  ///< of a point along the normal, as estimated or given
 };
 

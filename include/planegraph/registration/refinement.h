@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "planegraph/correspondence/hypotheses.h"
+#include "planegraph/correspondence/scan_model.h"
+
+namespace planegraph {
+
+/// 6x6 in the order x y z rx ry rz, decoupled left perturbation in the target's axes.
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// A guess with what is known of its error, as a soft prior in every direction.
+struct PosePrior {
+  Rigid3 target_from_source;
+  Matrix6d covariance;  ///< INTERFACE order, metres and radians
+};
+
+struct RefinementOptions {
+  double first_gate = 0.5;       ///< metres along the normal, of the first association
+  double last_gate = 0.05;       ///< metres, of the last one
+  int most_iterations = 25;
+  double floor_offset = 0.002;   ///< least systematic error of a surfel's height, metres
+  std::size_t most_surfels = 2000;  ///< of the source that take part, evenly spread
+};
+
+/// A pose refined by the surfaces, with what they say of it.
+struct Refinement {
+  Rigid3 target_from_source;
+  Matrix6d information = Matrix6d::Zero();  ///< of the surfaces alone, without the prior
+  /// Information that noise of the normals alone would fake, by direction of translation
+  /// (ALGORITHMS 3.2: sum of w_i C_nn,i).
+  Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
+  double floor = 0.0;            ///< height error that the noise model does not explain, metres
+  double rms = 0.0;              ///< of the residuals, metres
+  int pairs = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Iterated association of surfels and weighted Gauss-Newton on their plane-to-plane heights, from a
+/// wide gate to a narrow one; Geman-McClure weights at the width of the gate. The six unknowns are
+/// solved jointly; directions that the surfaces leave open stay where the prior (or the start) has
+/// them.
+Refinement RefinePose(const ScanModel& target, const ScanModel& source,
+                      const Rigid3& target_from_source, const RefinementOptions& options = {},
+                      const std::optional<PosePrior>& prior = {});
+
+}  // namespace planegraph

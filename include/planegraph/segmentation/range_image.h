@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "planegraph/cloud/cloud.h"
+
+namespace planegraph {
+
+/// What the sensor saw in each direction: on the faces of a cube about the viewpoint, the nearest and
+/// the farthest range of the points in each pixel. It tells free space: a beam passed through
+/// everything nearer than the nearest return.
+class RangeImage {
+ public:
+  RangeImage() = default;
+  explicit RangeImage(const Cloud& cloud);
+
+  enum class Space { kUnseen, kFree, kSurface, kHidden };
+  /// What is known about a place (cloud's frame less the offset), with `margin` metres of tolerance.
+  Space Classify(const Eigen::Vector3d& point, double margin) const;
+
+ private:
+  static constexpr int kEdge = 64;  // pixels along the edge of a face: 1.4 degrees
+  static int Pixel(const Eigen::Vector3f& direction);
+
+  Eigen::Vector3d viewpoint_ = Eigen::Vector3d::Zero();
+  std::vector<float> nearest_, farthest_;
+};
+
+}  // namespace planegraph

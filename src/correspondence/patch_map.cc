@@ -1,0 +1,151 @@
+#include "planegraph/correspondence/patch_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace planegraph {
+namespace {
+
+constexpr double kCell = 0.8;   // metres; a query looks at three cells along the normal
+constexpr double kReach = 0.75;  // a surfel answers within this share of its cell's edge
+constexpr double kSlack = 0.1;  // metres beyond it
+
+Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
+  return (point / kCell).array().floor().cast<int>();
+}
+
+std::uint64_t Key(const Eigen::Vector3i& c) {
+  constexpr std::int64_t kBias = 1 << 20;
+  return (static_cast<std::uint64_t>(c.x() + kBias) << 42) |
+         (static_cast<std::uint64_t>(c.y() + kBias) << 21) |
+         static_cast<std::uint64_t>(c.z() + kBias);
+}
+
+std::uint64_t Mix(std::uint64_t key) {
+  key *= 0x9e3779b97f4a7c15ull;
+  return key ^ (key >> 32);
+}
+
+// The cells that a surfel's square overlaps, as keys.
+void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
+  keys->clear();
+  const double reach = kReach * s.size + kSlack;
+  const Eigen::Vector3d extent =
+      (Eigen::Vector3d::Ones() - s.normal.cwiseProduct(s.normal)).cwiseMax(0.0).cwiseSqrt() * reach;
+  const Eigen::Vector3i low = CellOf(s.mean - extent), high = CellOf(s.mean + extent);
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z) {
+        const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() + 0.5) * kCell;
+        // The plane misses cells farther off than half a cell's diagonal.
+        if (std::abs(s.normal.dot(centre - s.mean)) > 0.87 * kCell) continue;
+        keys->push_back(Key({x, y, z}));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double Surfel::HeightVariance(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d d = point - mean;
+  const double a = axis1.dot(d), b = axis2.dot(d);
+  return offset_variance + a * a * variance1 + b * b * variance2;
+}
+
+namespace {
+
+// Takes over the segment's normal, which more points have determined, where the patch's own does not
+// contradict it.
+void AdoptSegmentPlane(const PlaneSegment& segment, Surfel* surfel) {
+  const double tilt = std::sqrt(std::max(surfel->variance1, surfel->variance2));
+  const double cosine = segment.plane.normal.dot(surfel->normal);
+  if (cosine < std::cos(std::min(3.0 * tilt, 0.3))) return;
+  surfel->normal = segment.plane.normal;
+  surfel->axis1 = segment.axes.vectors.col(1);
+  surfel->axis2 = segment.axes.vectors.col(2);
+  surfel->variance1 = segment.covariance(0, 0);
+  surfel->variance2 = segment.covariance(1, 1);
+}
+
+}  // namespace
+
+std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_length) {
+  std::vector<Surfel> surfels;
+  surfels.reserve(planes.patches.size());
+  for (const Patch& patch : planes.patches) {
+    const PrincipalAxes axes = ComputePrincipalAxes(patch.moments.scatter);
+    const double area = patch.size * patch.size;
+    const double independent = std::clamp(area / (correlation_length * correlation_length), 1.0,
+                                          std::max(1.0, patch.moments.count));
+    const double variance = patch.sigma * patch.sigma * patch.moments.count / independent;
+    surfels.push_back({patch.moments.mean, patch.normal, axes.vectors.col(1), axes.vectors.col(2),
+                       variance / std::max(axes.values[1], 1e-12),
+                       variance / std::max(axes.values[2], 1e-12), variance / patch.moments.count,
+                       patch.size, area, patch.segment});
+    if (patch.segment >= 0) AdoptSegmentPlane(planes.planes[patch.segment], &surfels.back());
+  }
+  return surfels;
+}
+
+PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;
+  std::vector<std::uint64_t> keys;
+  for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
+    CellsOf(surfels_[i], &keys);
+    for (const std::uint64_t key : keys) entries.push_back({key, i});
+  }
+  std::uint64_t slots = 64;
+  while (slots < entries.size()) slots *= 2;
+  mask_ = slots - 1;
+  starts_.assign(slots + 1, 0);
+  for (const auto& [key, i] : entries) ++starts_[(Mix(key) & mask_) + 1];
+  for (std::uint64_t s = 0; s < slots; ++s) starts_[s + 1] += starts_[s];
+  std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
+  items_.resize(entries.size());
+  item_keys_.resize(entries.size());
+  for (const auto& [key, i] : entries) {
+    const std::uint32_t at = next[Mix(key) & mask_]++;
+    items_[at] = i;
+    item_keys_[at] = key;
+  }
+}
+
+int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& point,
+                         const Eigen::Vector3d& normal, double gate, double least_cosine,
+                         double* best) const {
+  const std::uint64_t key = Key(cell), slot = Mix(key) & mask_;
+  int found = -1;
+  for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
+    if (item_keys_[k] != key) continue;
+    const Surfel& s = surfels_[items_[k]];
+    if (s.normal.dot(normal) < least_cosine) continue;
+    const Eigen::Vector3d d = point - s.mean;
+    const double height = std::abs(s.normal.dot(d));
+    if (height > gate) continue;
+    const double reach = kReach * s.size + kSlack;
+    const double along = d.squaredNorm() - height * height;
+    if (along > reach * reach) continue;
+    // Height first; among surfels of one surface the one that lies nearest in relation to its size.
+    const double cost = height + 0.05 * std::sqrt(along) / reach;
+    if (cost < *best) *best = cost, found = static_cast<int>(items_[k]);
+  }
+  return found;
+}
+
+int PatchMap::Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
+                   double least_cosine) const {
+  double best = INFINITY;
+  const Eigen::Vector3i centre = CellOf(point);
+  int found = BestInCell(centre, point, normal, gate, least_cosine, &best);
+  for (const double side : {-1.0, 1.0}) {
+    // A surface at most `gate` off lies in this cell or in those that the gate reaches.
+    const Eigen::Vector3i cell = CellOf(point + side * std::min(gate, kCell) * normal);
+    if (cell == centre) continue;
+    const int other = BestInCell(cell, point, normal, gate, least_cosine, &best);
+    if (other >= 0) found = other;
+  }
+  return found;
+}
+
+}  // namespace planegraph

@@ -1,0 +1,167 @@
+#include "planegraph/registration/refinement.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "planegraph/geometry/rotation.h"
+
+namespace planegraph {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+// From this gate on the association is good enough to measure the noise floor, metres.
+constexpr double kCalibrationGate = 0.15;
+
+struct Normal {
+  Matrix6d information = Matrix6d::Zero();  // with the robust weights
+  Vector6d gradient = Vector6d::Zero();
+  Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
+  std::vector<double> squares, variances;  // of the residuals, and what the noise model expects
+  int pairs = 0;
+
+  // Robust variance of the residuals: the median of squares of a normal distribution is 0.455 of it.
+  double Variance() { return Median(&squares) / 0.455; }
+  // What the noise model does not explain: bent scans, rough walls.
+  double Unexplained() { return Variance() - Median(&variances); }
+
+ private:
+  static double Median(std::vector<double>* values) {
+    if (values->empty()) return 0.0;
+    const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+    std::nth_element(values->begin(), middle, values->end());
+    return *middle;
+  }
+};
+
+// The part of the weight's variance that lies in the direction of each axis of translation: what
+// the normal's own error would add to the information.
+Eigen::Matrix3d NormalCovariance(const Surfel& s) {
+  return s.variance1 * s.axis1 * s.axis1.transpose() + s.variance2 * s.axis2 * s.axis2.transpose();
+}
+
+class Refiner {
+ public:
+  Refiner(const ScanModel& target, const ScanModel& source, const RefinementOptions& options,
+          const std::optional<PosePrior>& prior)
+      : target_(target),
+        source_(source),
+        options_(options),
+        stride_(1 + source.map.surfels().size() / std::max<std::size_t>(options.most_surfels, 1)) {
+    if (prior) prior_ = *prior;
+    if (prior) prior_information_ = prior->covariance.inverse();
+  }
+
+  Refinement Run(Rigid3 pose) const;
+
+ private:
+  Normal Linearize(const Rigid3& pose, double gate, double floor_variance) const;
+  void AddPrior(const Rigid3& pose, Normal* normal) const;
+  Vector6d Step(const Normal& normal) const;
+  void Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const;
+
+  const ScanModel& target_;
+  const ScanModel& source_;
+  const RefinementOptions& options_;
+  std::size_t stride_;
+  PosePrior prior_;
+  Matrix6d prior_information_ = Matrix6d::Zero();
+};
+
+Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance) const {
+  Normal out;
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  // Wide gates come with poor rotations; narrow ones ask for surfaces that face alike.
+  const double least_cosine = gate > 0.2 ? 0.94 : 0.97;
+  const auto& surfels = source_.map.surfels();
+  for (std::size_t i = 0; i < surfels.size(); i += stride_) {
+    const Eigen::Vector3d arm = rotation * surfels[i].mean;
+    const Eigen::Vector3d point = arm + pose.translation;
+    const int found = target_.map.Find(point, rotation * surfels[i].normal, gate, least_cosine);
+    if (found < 0) continue;
+    const Surfel& surface = target_.map.surfels()[found];
+    const double residual = surface.normal.dot(point - surface.mean);
+    const double modelled = surface.HeightVariance(point) + surfels[i].offset_variance;
+    const double variance = modelled + floor_variance;
+    const double width = std::max(gate * gate / 9.0, 9.0 * variance);
+    const double robust = std::pow(width / (width + residual * residual), 2);
+    const double weight = robust / variance;
+    Vector6d jacobian;
+    jacobian << surface.normal, arm.cross(surface.normal);
+    out.information.noalias() += weight * jacobian * jacobian.transpose();
+    out.gradient.noalias() += weight * residual * jacobian;
+    out.spurious += weight * NormalCovariance(surface);
+    out.squares.push_back(residual * residual);
+    out.variances.push_back(modelled);
+    out.pairs++;
+  }
+  return out;
+}
+
+void Refiner::AddPrior(const Rigid3& pose, Normal* normal) const {
+  Vector6d difference;
+  difference << pose.translation - prior_.target_from_source.translation,
+      LogSO3(pose.rotation * prior_.target_from_source.rotation.conjugate());
+  normal->information += prior_information_;
+  normal->gradient += prior_information_ * difference;
+}
+
+Vector6d Refiner::Step(const Normal& normal) const {
+  // A millionth of the mean information keeps open directions where they are.
+  Matrix6d damped = normal.information;
+  for (int k = 0; k < 6; ++k) {
+    const double mean = (k < 3 ? damped.topLeftCorner<3, 3>() : damped.bottomRightCorner<3, 3>())
+                            .trace() / 3.0;
+    damped(k, k) += 1e-6 * mean + 1e-9;
+  }
+  return -damped.ldlt().solve(normal.gradient);
+}
+
+Refinement Refiner::Run(Rigid3 pose) const {
+  Refinement result;
+  const double least_floor = options_.floor_offset * options_.floor_offset;
+  double gate = options_.first_gate, last_gate = options_.last_gate, floor = least_floor;
+  for (; result.iterations < options_.most_iterations; ++result.iterations) {
+    Normal normal = Linearize(pose, gate, floor);
+    if (gate <= kCalibrationGate) {
+      // The surfaces themselves say how well they can agree.
+      floor = std::max(least_floor, normal.Unexplained());
+      last_gate = std::clamp(4.0 * std::sqrt(normal.Variance()), options_.last_gate,
+                             kCalibrationGate);
+    }
+    AddPrior(pose, &normal);
+    const Vector6d step = Step(normal);
+    pose.rotation = (ExpSO3(step.tail<3>()) * pose.rotation).normalized();
+    pose.translation += step.head<3>();
+    const bool small = step.head<3>().norm() < 1e-4 && step.tail<3>().norm() < 2e-5;
+    if (small && gate <= last_gate) {
+      result.converged = true;
+      break;
+    }
+    gate = std::max(last_gate, 0.7 * gate);
+  }
+  Summarize(Linearize(pose, gate, floor), pose, floor, &result);
+  return result;
+}
+
+void Refiner::Summarize(Normal last, const Rigid3& pose, double floor,
+                        Refinement* result) const {
+  result->target_from_source = pose;
+  result->information = last.information;
+  result->spurious = last.spurious;
+  result->pairs = last.pairs;
+  result->floor = std::sqrt(floor);
+  result->rms = std::sqrt(last.Variance());
+}
+
+}  // namespace
+
+Refinement RefinePose(const ScanModel& target, const ScanModel& source,
+                      const Rigid3& target_from_source, const RefinementOptions& options,
+                      const std::optional<PosePrior>& prior) {
+  return Refiner(target, source, options, prior).Run(target_from_source);
+}
+
+}  // namespace planegraph

@@ -1,0 +1,51 @@
+#include "planegraph/segmentation/range_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace planegraph {
+
+int RangeImage::Pixel(const Eigen::Vector3f& d) {
+  const float ax = std::abs(d.x()), ay = std::abs(d.y()), az = std::abs(d.z());
+  int face;
+  float u, v, w;
+  if (ax >= ay && ax >= az) {
+    face = d.x() > 0 ? 0 : 1, u = d.y(), v = d.z(), w = ax;
+  } else if (ay >= az) {
+    face = d.y() > 0 ? 2 : 3, u = d.x(), v = d.z(), w = ay;
+  } else {
+    face = d.z() > 0 ? 4 : 5, u = d.x(), v = d.y(), w = az;
+  }
+  if (!(w > 0)) return 0;
+  const float scale = 0.5f * kEdge / w;
+  const int i = std::clamp(static_cast<int>(u * scale + 0.5f * kEdge), 0, kEdge - 1);
+  const int j = std::clamp(static_cast<int>(v * scale + 0.5f * kEdge), 0, kEdge - 1);
+  return (face * kEdge + j) * kEdge + i;
+}
+
+RangeImage::RangeImage(const Cloud& cloud)
+    : viewpoint_(cloud.viewpoint - cloud.offset),
+      nearest_(6 * kEdge * kEdge, std::numeric_limits<float>::infinity()),
+      farthest_(6 * kEdge * kEdge, 0.0f) {
+  const Eigen::Vector3f centre = viewpoint_.cast<float>();
+  for (const auto& p : cloud.points) {
+    const Eigen::Vector3f beam = p - centre;
+    const int pixel = Pixel(beam);
+    const float range = beam.norm();
+    nearest_[pixel] = std::min(nearest_[pixel], range);
+    farthest_[pixel] = std::max(farthest_[pixel], range);
+  }
+}
+
+RangeImage::Space RangeImage::Classify(const Eigen::Vector3d& point, double margin) const {
+  if (nearest_.empty()) return Space::kUnseen;
+  const Eigen::Vector3f beam = (point - viewpoint_).cast<float>();
+  const int pixel = Pixel(beam);
+  if (farthest_[pixel] == 0.0f) return Space::kUnseen;
+  const double range = beam.norm();
+  if (range < nearest_[pixel] - margin) return Space::kFree;
+  return range > farthest_[pixel] + margin ? Space::kHidden : Space::kSurface;
+}
+
+}  // namespace planegraph
