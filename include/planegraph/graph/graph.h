@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "planegraph/geometry/plane.h"
+#include "planegraph/geometry/rigid3.h"
+#include "planegraph/segmentation/plane_segment.h"
+
+namespace planegraph {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// A pose to be estimated.
+struct PoseNode {
+  std::string id;
+  Rigid3 world_from_node;
+  bool fixed = false;  ///< held by the gauge
+};
+
+/// A plane segment seen from one pose, reduced to what the factors need. All of it in the node's
+/// frame.
+struct PlaneObservation {
+  int pose = 0;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  /// Columns: the normal (MakePlaneObservation: the segment's; factors work with either sign), then
+  /// the two in-plane axes.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  /// Square-root information: of the normal's tilt along axes 1 and 2 (1/rad), and of the offset at
+  /// the centroid (1/m). Sensor noise, N_eff and systematic floors are already in.
+  double tilt_weight_1 = 1.0, tilt_weight_2 = 1.0, offset_weight = 1.0;
+  double point_count = 0.0;                               ///< points of the segment
+  Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();  ///< of their scatter, increasing, m^2
+  int user_tag = -1;                                      ///< the caller's: segment, registration
+};
+
+/// A plane of the world: normal . (p - anchor) = offset. The anchor is a constant near the plane;
+/// it keeps the lever arms, and so the condition number, small far from the origin.
+struct PlaneLandmark {
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit
+  double offset = 0.0;                                ///< metres
+  std::vector<PlaneObservation> observations;
+  int user_tag = -1;
+
+  Plane WorldPlane() const { return {normal, offset + normal.dot(anchor)}; }
+};
+
+/// A measurement between poses, or of one pose. What the fields mean is the business of its type
+/// (see `planegraph factors`). For `relative_pose`: poses (target, source), measurement
+/// target_from_source; for `pose_prior`: one pose, measurement world_from_node.
+struct PoseFactor {
+  std::string type = "relative_pose";
+  std::vector<int> poses;
+  Rigid3 measurement;
+  /// 6x6, order x y z rx ry rz of the decoupled left perturbation in the target's (world's) axes,
+  /// metres and radians. It may be rank-deficient.
+  Matrix6d information = Matrix6d::Identity();
+  std::string source = "odometry";  ///< who measured it: odometry, icp, prior, ...
+  bool robust = false;              ///< takes SolveOptions::pose_loss
+  int user_tag = -1;
+};
+
+PoseFactor MakeRelativePose(int target, int source, const Rigid3& target_from_source,
+                            const Matrix6d& information, const std::string& measured_by);
+PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d& information);
+
+/// Poses, planes and what ties them.
+struct Graph {
+  std::vector<PoseNode> poses;
+  std::vector<PlaneLandmark> planes;
+  std::vector<PoseFactor> pose_factors;
+};
+
+/// The observation of a segment: weights from its covariance. Segments whose covariance is not
+/// positive definite give zero weights in what is not known.
+PlaneObservation MakePlaneObservation(int pose, const PlaneSegment& segment);
+
+/// A landmark that starts from the first observation as its pose sees it, anchored at the mean of
+/// the observations' centroids (weighted by their point counts). Needs at least one observation.
+PlaneLandmark MakePlaneLandmark(const Graph& graph, std::vector<PlaneObservation> observations);
+
+/// Moves normal and offset of a landmark to the least-squares plane of its observations under the
+/// graph's poses (the minimum of the moment factors over the plane alone).
+void FitLandmark(const std::vector<PoseNode>& poses, PlaneLandmark* landmark);
+
+/// Indices in range, unit normals and quaternions, finite numbers. Throws std::invalid_argument.
+void CheckGraph(const Graph& graph);
+
+/// L with L^T L = information; zero rows where the information has (numerically) none. Throws
+/// std::invalid_argument for a matrix that is clearly not positive semi-definite.
+Matrix6d SquareRootInformation(const Matrix6d& information);
+
+}  // namespace planegraph

@@ -1,0 +1,42 @@
+#include "planegraph/graph/factor_registry.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "planegraph/base/error.h"
+
+namespace planegraph {
+
+double OptionOr(const FactorOptions& options, const std::string& name, double fallback) {
+  const auto set = options.find(name);
+  return set == options.end() ? fallback : set->second;
+}
+
+void FactorType::CheckOptions(const FactorOptions& options) const {
+  for (const auto& [option, value] : options) {
+    const bool known =
+        std::any_of(parameters.begin(), parameters.end(), [&](const FactorParameter& parameter) {
+          return parameter.name == option && !parameter.is_field;
+        });
+    if (!known) throw UsageError("factor '" + name + "' has no parameter '" + option + "'");
+  }
+}
+
+void FactorRegistry::Add(FactorType type) {
+  const std::string name = type.name;
+  if (!types_.emplace(name, std::move(type)).second) {
+    throw std::invalid_argument("two factors are called '" + name + "'");
+  }
+}
+
+const FactorType& FactorRegistry::Get(const std::string& name, FactorKind kind) const {
+  const auto found = types_.find(name);
+  if (found != types_.end() && found->second.kind == kind) return found->second;
+  std::string names;
+  for (const auto& [key, type] : types_) {
+    if (type.kind == kind) names += (names.empty() ? "" : ", ") + key;
+  }
+  throw UsageError("unknown factor '" + name + "' (there are: " + names + ")");
+}
+
+}  // namespace planegraph

@@ -1,0 +1,170 @@
+#include "planegraph/graph/graph.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <stdexcept>
+
+#include "planegraph/geometry/rotation.h"
+#include "planegraph/graph/manifolds.h"
+
+namespace planegraph {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+double Weight(double variance) {
+  return variance > 0.0 && std::isfinite(variance) ? 1.0 / std::sqrt(variance) : 0.0;
+}
+
+void Require(bool condition, const std::string& what) {
+  if (!condition) throw std::invalid_argument(what);
+}
+
+void CheckPlane(const PlaneLandmark& plane, int pose_count, const std::string& name) {
+  Require(std::abs(plane.normal.norm() - 1.0) < 1e-6, name + ": normal is not of unit length");
+  Require(std::isfinite(plane.offset) && plane.anchor.allFinite(), name + ": not finite");
+  for (const PlaneObservation& seen : plane.observations) {
+    Require(seen.pose >= 0 && seen.pose < pose_count, name + ": observation without its pose");
+    Require(seen.centroid.allFinite() && seen.axes.allFinite(), name + ": not finite");
+    Require(std::isfinite(seen.tilt_weight_1 + seen.tilt_weight_2 + seen.offset_weight),
+            name + ": weights are not finite");
+  }
+}
+
+void CheckPoseFactor(const PoseFactor& factor, int pose_count, const std::string& name) {
+  Require(!factor.poses.empty(), name + ": no poses");
+  for (int pose : factor.poses) {
+    Require(pose >= 0 && pose < pose_count, name + ": names a pose that does not exist");
+  }
+  Require(factor.poses.size() < 2 || factor.poses[0] != factor.poses[1],
+          name + ": ties a pose to itself");
+  Require(factor.information.allFinite(), name + ": information is not finite");
+}
+
+// Normal equations of one observation for the tangent (tilt 1, tilt 2, offset) of a plane.
+void AddNormalEquations(const PoseNode& node, const PlaneObservation& seen,
+                        const PlaneLandmark& plane, const Eigen::Matrix<double, 3, 2>& basis,
+                        Matrix3d* h, Vector3d* g) {
+  const Matrix3d rotation = node.world_from_node.rotation.toRotationMatrix();
+  const Vector3d arm = node.world_from_node * seen.centroid - plane.anchor;
+  Matrix3d rows;  // d residual / d normal
+  rows.row(0) = seen.tilt_weight_1 * (rotation * seen.axes.col(1)).transpose();
+  rows.row(1) = seen.tilt_weight_2 * (rotation * seen.axes.col(2)).transpose();
+  rows.row(2) = seen.offset_weight * arm.transpose();
+  const Vector3d residual =
+      rows * plane.normal - Vector3d(0.0, 0.0, seen.offset_weight * plane.offset);
+  Matrix3d jacobian;
+  jacobian.leftCols<2>() = rows * basis;
+  jacobian.col(2) << 0.0, 0.0, -seen.offset_weight;
+  *h += jacobian.transpose() * jacobian;
+  *g += jacobian.transpose() * residual;
+}
+
+}  // namespace
+
+PoseFactor MakeRelativePose(int target, int source, const Rigid3& target_from_source,
+                            const Matrix6d& information, const std::string& measured_by) {
+  PoseFactor factor;
+  factor.poses = {target, source};
+  factor.measurement = target_from_source;
+  factor.information = information;
+  factor.source = measured_by;
+  return factor;
+}
+
+PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d& information) {
+  PoseFactor factor;
+  factor.type = "pose_prior";
+  factor.poses = {pose};
+  factor.measurement = world_from_node;
+  factor.information = information;
+  factor.source = "prior";
+  return factor;
+}
+
+PlaneObservation MakePlaneObservation(int pose, const PlaneSegment& segment) {
+  PlaneObservation seen;
+  seen.pose = pose;
+  seen.centroid = segment.centroid();
+  seen.axes = segment.axes.vectors;
+  if (seen.axes.col(0).dot(segment.plane.normal) < 0.0) seen.axes.leftCols<2>() *= -1.0;
+  seen.tilt_weight_1 = Weight(segment.covariance(0, 0));
+  seen.tilt_weight_2 = Weight(segment.covariance(1, 1));
+  seen.offset_weight = Weight(segment.covariance(2, 2));
+  seen.point_count = segment.moments.count;
+  seen.eigenvalues = segment.axes.values;
+  seen.user_tag = segment.id;
+  return seen;
+}
+
+PlaneLandmark MakePlaneLandmark(const Graph& graph, std::vector<PlaneObservation> observations) {
+  Require(!observations.empty(), "a plane landmark needs an observation");
+  PlaneLandmark plane;
+  double total = 0.0;
+  for (const PlaneObservation& seen : observations) {
+    const double weight = std::max(seen.point_count, 1.0);
+    plane.anchor += weight * (graph.poses.at(seen.pose).world_from_node * seen.centroid);
+    total += weight;
+  }
+  plane.anchor /= total;
+  const PlaneObservation& first = observations.front();
+  const Rigid3& world_from_node = graph.poses.at(first.pose).world_from_node;
+  plane.normal = (world_from_node.rotation * first.axes.col(0)).normalized();
+  plane.offset = plane.normal.dot(world_from_node * first.centroid - plane.anchor);
+  plane.observations = std::move(observations);
+  return plane;
+}
+
+void FitLandmark(const std::vector<PoseNode>& poses, PlaneLandmark* landmark) {
+  constexpr int kMaxIterations = 20;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    Matrix3d h = Matrix3d::Zero();
+    Vector3d g = Vector3d::Zero();
+    const auto basis = TangentBasis(landmark->normal);
+    for (const PlaneObservation& seen : landmark->observations) {
+      AddNormalEquations(poses[seen.pose], seen, *landmark, basis, &h, &g);
+    }
+    h.diagonal() *= 1.0 + 1e-12;  // keeps a plane with an unseen tilt solvable
+    h.diagonal().array() += 1e-300;
+    const Vector3d step = -h.ldlt().solve(g);
+    if (!step.allFinite()) return;
+    UnitVectorManifold().Plus(Vector3d(landmark->normal).data(), step.data(),
+                              landmark->normal.data());
+    landmark->offset += step[2];
+    if (step.norm() < 1e-13) return;
+  }
+}
+
+void CheckGraph(const Graph& graph) {
+  const int pose_count = static_cast<int>(graph.poses.size());
+  for (const PoseNode& node : graph.poses) {
+    const Rigid3& pose = node.world_from_node;
+    Require(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-6,
+            "pose " + node.id + ": not a rigid motion");
+  }
+  for (std::size_t k = 0; k < graph.planes.size(); ++k) {
+    CheckPlane(graph.planes[k], pose_count, "plane " + std::to_string(k));
+  }
+  for (std::size_t k = 0; k < graph.pose_factors.size(); ++k) {
+    CheckPoseFactor(graph.pose_factors[k], pose_count, "pose factor " + std::to_string(k));
+  }
+}
+
+Matrix6d SquareRootInformation(const Matrix6d& information) {
+  // Judge the rank after scaling to unit diagonal: metres and radians have different magnitudes.
+  const Vector6d diagonal = information.diagonal();
+  Require(diagonal.minCoeff() >= 0.0, "information matrix with a negative diagonal");
+  const Vector6d scale = diagonal.cwiseSqrt();
+  const Vector6d inverse = (scale.array() > 0.0).select(scale.cwiseMax(1e-300).cwiseInverse(), 0.0);
+  const Matrix6d symmetric = 0.5 * (information + information.transpose());
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(inverse.asDiagonal() * symmetric *
+                                                       inverse.asDiagonal());
+  Require(solver.eigenvalues().minCoeff() > -1e-6, "information matrix is not positive");
+  const Vector6d values =
+      (solver.eigenvalues().array() > 1e-12).select(solver.eigenvalues().cwiseMax(0.0), 0.0);
+  return values.cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose() * scale.asDiagonal();
+}
+
+}  // namespace planegraph

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "planegraph/graph/factor_registry.h"
+#include "planegraph/graph/loss.h"
+#include "planegraph/graph/manifolds.h"
+#include "planegraph/solve/solver.h"
+
+namespace planegraph {
+
+/// One residual block over one or two parameter blocks.
+struct Residual {
+  std::unique_ptr<ceres::CostFunction> cost;
+  std::array<BlockRef, 2> blocks;
+  int block_count = 0;
+  ResidualTag tag;
+  double weight = 1.0;
+  ceres::LossFunction* loss = nullptr;  ///< with the weight in it; null: squared, weight 1
+};
+
+/// A residual block with its Jacobians in the tangent spaces. Both are scaled by the square root of
+/// weight * rho', so that J^T J is the (first-order) information and J^T r the gradient.
+struct LinearizedResidual {
+  Eigen::VectorXd residual;
+  std::array<Eigen::MatrixXd, 2> jacobians;  ///< residuals x 6 (pose) or x 3 (plane)
+};
+
+/// All residuals of a graph, and the parameter blocks they work on. Ceres and the covariance both
+/// read from it.
+class Assembly final : public ResidualSink {
+ public:
+  Assembly(const Graph& graph, const SolveOptions& options);
+
+  void Add(std::unique_ptr<ceres::CostFunction> cost, std::initializer_list<BlockRef> blocks,
+           const ResidualTag& tag, double weight) override;
+
+  const std::vector<Residual>& residuals() const { return residuals_; }
+  bool plane_blocks() const { return plane_blocks_; }
+  double* Block(const BlockRef& block);
+  double* PoseBlock(int index) { return &poses_[std::size_t(kPoseSize) * index]; }
+  double* PlaneBlock(int index) { return &planes_[std::size_t(kPlaneSize) * index]; }
+
+  /// |r|^2 of a residual, and its weight times rho' in *weight, at the present values.
+  double Chi2(const Residual& residual, double* weight);
+  /// Evaluates and converts to tangent space at the present values.
+  void Linearize(const Residual& residual, LinearizedResidual* out);
+  /// Writes the blocks' values back into the graph.
+  void Store(Graph* graph) const;
+
+ private:
+  void AddPlanes(const Graph& graph, const SolveOptions& options);
+  void AddPoseFactors(const Graph& graph, const SolveOptions& options);
+  ceres::LossFunction* LossFor(double weight);
+
+  std::vector<double> poses_, planes_;
+  std::vector<Residual> residuals_;
+  bool plane_blocks_ = false;
+  const ceres::LossFunction* present_loss_ = nullptr;
+  std::vector<std::unique_ptr<ceres::LossFunction>> losses_;
+  std::map<std::pair<const ceres::LossFunction*, double>, ceres::LossFunction*> scaled_losses_;
+};
+
+/// The poses held by the gauge: those that are fixed; the first one where nothing is, and (unless
+/// `count_priors` is false) no prior holds the graph either.
+std::vector<bool> GaugeFixed(const Graph& graph, bool count_priors);
+
+}  // namespace planegraph

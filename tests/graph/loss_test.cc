@@ -1,0 +1,81 @@
+#include "planegraph/graph/loss.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planegraph/base/error.h"
+
+namespace planegraph {
+namespace {
+
+double Rho(const ceres::LossFunction& loss, double s) {
+  double rho[3];
+  loss.Evaluate(s, rho);
+  return rho[0];
+}
+
+class EveryLoss : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryLoss, DerivativesAreThoseOfRho) {
+  for (const double scale : {0.5, 1.0, 3.0}) {
+    const auto loss = MakeLoss({GetParam(), scale});
+    ASSERT_NE(loss, nullptr);
+    for (const double factor : {0.01, 0.3, 0.9, 1.2, 4.0, 50.0}) {
+      const double s = factor * scale * scale, h = 1e-5 * s;
+      double rho[3], above[3], below[3];
+      loss->Evaluate(s, rho);
+      loss->Evaluate(s + h, above);
+      loss->Evaluate(s - h, below);
+      EXPECT_NEAR((above[0] - below[0]) / (2 * h), rho[1], 1e-7) << GetParam() << " at " << s;
+      EXPECT_NEAR((above[1] - below[1]) / (2 * h), rho[2], 1e-6 * (1 + std::abs(rho[2])));
+    }
+  }
+}
+
+TEST_P(EveryLoss, IsQuadraticNearZeroAndWeakerFarAway) {
+  const auto loss = MakeLoss({GetParam(), 2.0});
+  EXPECT_NEAR(Rho(*loss, 1e-8) / 1e-8, 1.0, 1e-6);
+  double rho[3];
+  loss->Evaluate(1e4, rho);
+  EXPECT_LT(rho[1], 0.1);
+  EXPECT_GE(rho[1], 0.0);
+}
+
+TEST_P(EveryLoss, ParsesAndPrints) {
+  EXPECT_EQ(ParseLoss(GetParam()).ToString(), GetParam());
+  EXPECT_EQ(ParseLoss(GetParam() + ":2.5").scale, 2.5);
+  EXPECT_EQ(ParseLoss(GetParam() + ":2.5").ToString(), GetParam() + ":2.5");
+}
+
+std::vector<std::string> RobustNames() {
+  std::vector<std::string> names = LossNames();
+  names.erase(std::remove(names.begin(), names.end(), "none"), names.end());
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(Losses, EveryLoss, testing::ValuesIn(RobustNames()),
+                         [](const auto& test) { return test.param; });
+
+TEST(GemanMcClure, SaturatesAtItsSquaredScale) {
+  EXPECT_NEAR(Rho(GemanMcClureLoss(3.0), 1e12), 9.0, 1e-6);
+}
+
+TEST(Dcs, DerivativeIsTheSquaredWeightOfTheMethod) {
+  // s_ij = 2 phi / (phi + chi^2), Agarwal et al. 2013.
+  double rho[3];
+  DcsLoss(2.0).Evaluate(12.0, rho);
+  EXPECT_NEAR(rho[1], std::pow(2.0 * 4.0 / (4.0 + 12.0), 2), 1e-15);
+}
+
+TEST(ParseLoss, NoneHasNoFunction) { EXPECT_EQ(MakeLoss(ParseLoss("none")), nullptr); }
+
+TEST(ParseLoss, RefusesWhatIsNotALoss) {
+  for (const char* text : {"", "nothing", "huber:", "huber:0", "huber:-1", "huber:1x", "huber:nan",
+                           "huber:inf", "none:1", "Huber"}) {
+    EXPECT_THROW(ParseLoss(text), UsageError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace planegraph

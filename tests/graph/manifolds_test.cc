@@ -1,0 +1,86 @@
+#include "planegraph/graph/manifolds.h"
+
+#include <ceres/manifold_test_utils.h>
+#include <gtest/gtest.h>
+
+#include "planegraph/geometry/rotation.h"
+#include "planegraph/graph/factor_sampling.h"
+
+namespace planegraph {
+namespace {
+
+using namespace ceres;  // the matchers of the macro are called without their namespace
+
+constexpr double kTolerance = 1e-9;
+constexpr int kTrials = 50;
+
+// The Minus of an almost opposite element is not compared: delta stays well below pi.
+Vector Tangent(FactorSampler* sampler, int size) {
+  Vector delta(size);
+  for (int k = 0; k < size; ++k) delta[k] = sampler->Uniform(-1.0, 1.0);
+  return delta;
+}
+
+TEST(Se3Manifold, InvariantsHold) {
+  std::mt19937_64 rng(1);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    FactorSampler sampler(&rng);
+    const Rigid3 pose(sampler.Rotation(), sampler.UnitVector());
+    const Rigid3 other(ExpSO3(0.9 * sampler.UnitVector()) * pose.rotation, sampler.UnitVector());
+    const auto x_block = FactorSampler::Block(pose), y_block = FactorSampler::Block(other);
+    const Vector x = Eigen::Map<const Vector>(x_block.data(), 7);
+    const Vector y = Eigen::Map<const Vector>(y_block.data(), 7);
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(Se3Manifold(), x, Tangent(&sampler, 6), y, kTolerance);
+  }
+}
+
+TEST(UnitVectorManifold, InvariantsHold) {
+  std::mt19937_64 rng(2);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    FactorSampler sampler(&rng);
+    const Vector x = sampler.UnitVector(), y = sampler.UnitVector();
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(UnitVectorManifold(), x, Tangent(&sampler, 2), y,
+                                         kTolerance);
+  }
+}
+
+TEST(PlaneManifold, InvariantsHold) {
+  std::mt19937_64 rng(3);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    FactorSampler sampler(&rng);
+    Vector x(4), y(4);
+    x << sampler.UnitVector(), sampler.Uniform(-1, 1);
+    y << sampler.UnitVector(), sampler.Uniform(-1, 1);
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(PlaneManifold(), x, Tangent(&sampler, 3), y, kTolerance);
+  }
+}
+
+TEST(Se3Manifold, TangentIsTheDecoupledLeftPerturbationInMetresAndRadians) {
+  const Rigid3 pose(ExpSO3({0.3, -0.2, 1.0}), {1, 2, 3});
+  const auto block = FactorSampler::Block(pose);
+  const double delta[6] = {0.1, 0.2, 0.3, 0.0, 0.0, 0.5};
+  double moved[7];
+  Se3Manifold().Plus(block.data(), delta, moved);
+  const Rigid3 result = PoseFromBlock(moved);
+  EXPECT_LT((result.translation - Eigen::Vector3d(1.1, 2.2, 3.3)).norm(), 1e-14);
+  const Eigen::Quaterniond expected = ExpSO3({0, 0, 0.5}) * pose.rotation;
+  EXPECT_LT(AngleBetween(result.rotation, expected), 1e-14);
+}
+
+TEST(UnitVectorManifold, MovesByRadians) {
+  const Eigen::Vector3d n = Eigen::Vector3d(1, 2, -2) / 3.0;
+  Eigen::Vector3d moved;
+  const Eigen::Vector2d delta(0.3, -0.4);
+  UnitVectorManifold().Plus(n.data(), delta.data(), moved.data());
+  EXPECT_NEAR(std::acos(n.dot(moved)), 0.5, 1e-14);
+}
+
+TEST(UnitVectorManifold, TheAntipodeIsPiAway) {
+  const Eigen::Vector3d n = Eigen::Vector3d::UnitY(), opposite = -n;
+  Eigen::Vector2d difference;
+  UnitVectorManifold().Minus(opposite.data(), n.data(), difference.data());
+  EXPECT_NEAR(difference.norm(), EIGEN_PI, 1e-12);
+}
+
+}  // namespace
+}  // namespace planegraph
