@@ -1,5 +1,6 @@
 #include "planegraph/correspondence/hypotheses.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -94,12 +95,15 @@ Support PartialSupport(const ScanModel& target, const ScanModel& source, const R
   for (std::size_t k = first; k < source.samples.size(); k += stride) {
     const Surfel& surfel = source.map.surfels()[source.samples[k]];
     const Eigen::Vector3d point = rotation * surfel.mean + pose.translation;
+    const Eigen::Vector3d normal = rotation * surfel.normal;
     const double weight = source.sample_weights[k];
-    if (target.map.Find(point, rotation * surfel.normal, gate, kLeastCosine) >= 0) {
+    if (target.map.Find(point, normal, gate, kLeastCosine) >= 0) {
       support.agree += weight;
+      support.agree_by_direction += weight * normal * normal.transpose();
     } else if (target.planes->range_image.Classify(point, kFreeMargin) ==
                RangeImage::Space::kFree) {
       support.violate += weight;
+      support.violate_by_direction += weight * normal * normal.transpose();
     } else {
       support.unknown += weight;
     }
@@ -129,6 +133,16 @@ void Verify(const ScanModel& target, const ScanModel& source, const HypothesisOp
 }
 
 }  // namespace
+
+double Support::WorstDirection() const {
+  // Directions that hardly any surface faces do not count.
+  const double floor = 0.02 * (agree + violate + unknown);
+  const Eigen::Matrix3d all =
+      agree_by_direction + violate_by_direction + floor * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d good = agree_by_direction + floor * Eigen::Matrix3d::Identity();
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(good, all, Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
+}
 
 Support MeasureSupport(const ScanModel& target, const ScanModel& source,
                        const Rigid3& target_from_source, double gate) {

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "planegraph/geometry/rotation.h"
@@ -15,10 +17,15 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 // From this gate on the association is good enough to measure the noise floor, metres.
 constexpr double kCalibrationGate = 0.15;
 
+// Information that stands for none: a standard deviation of a kilometre, or of 1000 radians.
+constexpr double kNothing = 1e-6;
+
 struct Normal {
   Matrix6d information = Matrix6d::Zero();  // with the robust weights
   Vector6d gradient = Vector6d::Zero();
   Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
+  std::map<std::int32_t, Vector6d> by_segment;  // sums of weight * jacobian: a common height error
+  std::map<std::pair<std::int32_t, std::int32_t>, int> plane_pairs;
   std::vector<double> squares, variances;  // of the residuals, and what the noise model expects
   int pairs = 0;
 
@@ -57,7 +64,9 @@ class Refiner {
   Refinement Run(Rigid3 pose) const;
 
  private:
-  Normal Linearize(const Rigid3& pose, double gate, double floor_variance) const;
+  Normal Linearize(const Rigid3& pose, double gate, double floor_variance, bool detailed) const;
+  static void AddDetails(const Surfel& target, const Surfel& source, double weight,
+                         const Vector6d& jacobian, Normal* out);
   void AddPrior(const Rigid3& pose, Normal* normal) const;
   Vector6d Step(const Normal& normal) const;
   void Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const;
@@ -70,7 +79,8 @@ class Refiner {
   Matrix6d prior_information_ = Matrix6d::Zero();
 };
 
-Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance) const {
+Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance,
+                           bool detailed) const {
   Normal out;
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   // Wide gates come with poor rotations; narrow ones ask for surfaces that face alike.
@@ -92,12 +102,20 @@ Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance
     jacobian << surface.normal, arm.cross(surface.normal);
     out.information.noalias() += weight * jacobian * jacobian.transpose();
     out.gradient.noalias() += weight * residual * jacobian;
-    out.spurious += weight * NormalCovariance(surface);
+    if (detailed) AddDetails(surface, surfels[i], weight, jacobian, &out);
     out.squares.push_back(residual * residual);
     out.variances.push_back(modelled);
     out.pairs++;
   }
   return out;
+}
+
+void Refiner::AddDetails(const Surfel& target, const Surfel& source, double weight,
+                         const Vector6d& jacobian, Normal* out) {
+  out->spurious += weight * NormalCovariance(target);
+  if (target.segment < 0) return;
+  out->by_segment.try_emplace(target.segment, Vector6d::Zero()).first->second += weight * jacobian;
+  if (source.segment >= 0) out->plane_pairs[{target.segment, source.segment}]++;
 }
 
 void Refiner::AddPrior(const Rigid3& pose, Normal* normal) const {
@@ -124,7 +142,7 @@ Refinement Refiner::Run(Rigid3 pose) const {
   const double least_floor = options_.floor_offset * options_.floor_offset;
   double gate = options_.first_gate, last_gate = options_.last_gate, floor = least_floor;
   for (; result.iterations < options_.most_iterations; ++result.iterations) {
-    Normal normal = Linearize(pose, gate, floor);
+    Normal normal = Linearize(pose, gate, floor, false);
     if (gate <= kCalibrationGate) {
       // The surfaces themselves say how well they can agree.
       floor = std::max(least_floor, normal.Unexplained());
@@ -142,7 +160,7 @@ Refinement Refiner::Run(Rigid3 pose) const {
     }
     gate = std::max(last_gate, 0.7 * gate);
   }
-  Summarize(Linearize(pose, gate, floor), pose, floor, &result);
+  Summarize(Linearize(pose, gate, floor, true), pose, floor, &result);
   return result;
 }
 
@@ -154,6 +172,16 @@ void Refiner::Summarize(Normal last, const Rigid3& pose, double floor,
   result->pairs = last.pairs;
   result->floor = std::sqrt(floor);
   result->rms = std::sqrt(last.Variance());
+  Matrix6d shared = Matrix6d::Zero();
+  for (const auto& [segment, sum] : last.by_segment) shared += floor * sum * sum.transpose();
+  const Matrix6d total = last.information + prior_information_ + kNothing * Matrix6d::Identity();
+  const Matrix6d inverse = total.ldlt().solve(Matrix6d::Identity());
+  result->covariance = inverse + inverse * shared * inverse;
+  for (const auto& [pair, count] : last.plane_pairs) {
+    if (count >= 2) result->correspondences.push_back({pair.first, pair.second, count});
+  }
+  std::stable_sort(result->correspondences.begin(), result->correspondences.end(),
+                   [](const auto& a, const auto& b) { return a.surfels > b.surfels; });
 }
 
 }  // namespace

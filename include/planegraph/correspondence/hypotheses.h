@@ -13,7 +13,15 @@ struct Support {
   double agree = 0.0;     ///< a surface of the target lies there and faces the same way
   double violate = 0.0;   ///< the target's laser looked through the place
   double unknown = 0.0;   ///< the target did not see the place
+  /// Sums of weight * n n^T over the agreeing and over the violating samples, n being their normals:
+  /// which directions of translation the agreement stands for.
+  Eigen::Matrix3d agree_by_direction = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d violate_by_direction = Eigen::Matrix3d::Zero();
+
   double Score() const { return agree - violate; }
+  /// Share of agreement among what was seen, in the direction where it is worst: a wrong pose may
+  /// have the ground right and the walls wrong.
+  double WorstDirection() const;
 };
 
 /// Compares the source's samples, under the pose, with the target's surfaces. `gate` is the largest

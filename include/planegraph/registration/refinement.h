@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "planegraph/correspondence/hypotheses.h"
 #include "planegraph/correspondence/scan_model.h"
@@ -25,6 +26,12 @@ struct RefinementOptions {
   std::size_t most_surfels = 2000;  ///< of the source that take part, evenly spread
 };
 
+/// A plane of the target and a plane of the source that are one under the pose.
+struct PlanePair {
+  std::int32_t target, source;  ///< indices into PlaneSet::planes
+  int surfels;                  ///< pairs of surfels that say so
+};
+
 /// A pose refined by the surfaces, with what they say of it.
 struct Refinement {
   Rigid3 target_from_source;
@@ -34,7 +41,11 @@ struct Refinement {
   Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
   double floor = 0.0;            ///< height error that the noise model does not explain, metres
   double rms = 0.0;              ///< of the residuals, metres
-  int pairs = 0;
+  /// Covariance (INTERFACE order) with the floor as an error that all surfels of one segment share:
+  /// a bent scan does not average out over the points of a wall. Singular directions: see Register.
+  Matrix6d covariance = Matrix6d::Zero();
+  std::vector<PlanePair> correspondences;  ///< most surfels first
+  int pairs = 0;                           ///< of surfels
   int iterations = 0;
   bool converged = false;
 };

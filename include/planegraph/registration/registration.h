@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planegraph/registration/refinement.h"
+
+namespace planegraph {
+
+enum class RegistrationStatus { kOk, kDegenerate, kAmbiguous, kFailed };
+const char* ToString(RegistrationStatus status);
+
+/// A direction of motion that the planes leave open: a pure translation (metres) or a pure rotation
+/// (radians), in the target's axes.
+struct UnobservedDirection {
+  Eigen::Matrix<double, 6, 1> direction;  ///< unit; x y z rx ry rz
+  double sigma = 0.0;                     ///< standard deviation along it; NaN: infinite
+  std::string held_by;                    ///< odometry, icp, prior, or empty
+};
+
+struct RegistrationOptions {
+  HypothesisOptions hypotheses;
+  RefinementOptions refinement;
+  double support_gate = 0.1;     ///< metres, of the final verification
+  double least_quality = 0.2;    ///< of a pose to be believed
+  double ambiguity = 0.75;       ///< a second pose with this share of the best one's quality is one
+  double weak_translation = 0.1;  ///< metres: a larger standard deviation is "not observed"
+  double weak_rotation = 0.0175;  ///< radians, likewise
+};
+
+/// The pose between two scans and what is known of it.
+struct Registration {
+  RegistrationStatus status = RegistrationStatus::kFailed;
+  std::string reason;
+  Refinement refinement;  ///< the pose, its covariance and the plane pairs
+  Support support;
+  double quality = 0.0, runner_up = 0.0;
+  std::vector<UnobservedDirection> unobserved;
+
+  const Rigid3& target_from_source() const { return refinement.target_from_source; }
+};
+
+/// How far a pose can be believed, in [0, 1]: the share of the surfaces that agree less those that
+/// violate free space, times the agreement in the worst direction.
+double Quality(const Support& support);
+
+/// Directions that the information leaves open: where the standard deviation is above the limits, or
+/// where noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2).
+std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
+                                                const RegistrationOptions& options);
+
+/// Registers without a guess: hypotheses, refinement of each, and a decision by evidence. Says
+/// `ambiguous` rather than guess when another pose explains nearly as much.
+Registration Register(const ScanModel& target, const ScanModel& source,
+                      const RegistrationOptions& options = {});
+
+/// Registers from a guess with its covariance: refinement from it, verified; no other pose is tried.
+Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,
+                               const PosePrior& guess, const RegistrationOptions& options = {});
+
+}  // namespace planegraph

@@ -1,0 +1,168 @@
+#include "planegraph/registration/registration.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "planegraph/geometry/rotation.h"
+
+namespace planegraph {
+namespace {
+
+// A standard deviation that means "nothing is known".
+constexpr double kInfinite = 100.0;
+// Two poses nearer than this may be one basin of the refinement: they do not compete.
+constexpr double kSameMetres = 0.5, kSameRadians = 0.09;
+
+struct Candidate {
+  Refinement refinement;
+  Support support;
+  double quality;
+};
+
+std::string Format(const char* format, double a, double b = 0.0) {
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b);
+  return text;
+}
+
+bool Compete(const Rigid3& a, const Rigid3& b) {
+  return (a.translation - b.translation).norm() > kSameMetres ||
+         AngleBetween(a.rotation, b.rotation) > kSameRadians;
+}
+
+Candidate Evaluate(const ScanModel& target, const ScanModel& source, Refinement refinement,
+                   const RegistrationOptions& options) {
+  Candidate c{std::move(refinement), {}, 0.0};
+  const double gate = std::max(options.support_gate, 3.0 * c.refinement.floor);
+  c.support = MeasureSupport(target, source, c.refinement.target_from_source, gate);
+  c.quality = Quality(c.support);
+  return c;
+}
+
+double RunnerUp(const std::vector<Candidate>& candidates) {
+  for (std::size_t k = 1; k < candidates.size(); ++k) {
+    if (Compete(candidates[0].refinement.target_from_source,
+                candidates[k].refinement.target_from_source)) {
+      return candidates[k].quality;
+    }
+  }
+  return 0.0;
+}
+
+// One 3x3 block (translation or rotation) of the covariance: its wide axes.
+void AddWideAxes(const Refinement& refinement, int first, double limit, const Eigen::Matrix3d& fake,
+                 std::vector<UnobservedDirection>* found) {
+  const Eigen::Matrix3d covariance = refinement.covariance.block<3, 3>(first, first);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  for (int k = 2; k >= 0; --k) {
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(k);
+    const double variance = std::max(eigen.eigenvalues()[k], 1e-300);
+    const bool faked = 1.0 / variance <= 9.0 * axis.dot(fake * axis);
+    if (std::sqrt(variance) <= limit && !faked) continue;
+    UnobservedDirection open;
+    open.direction.setZero();
+    open.direction.segment<3>(first) = axis;
+    const bool unknown = faked || std::sqrt(variance) > kInfinite;
+    open.sigma = unknown ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(variance);
+    found->push_back(open);
+  }
+}
+
+std::string DescribeUnobserved(const std::vector<UnobservedDirection>& unobserved) {
+  std::string text;
+  for (const auto& open : unobserved) {
+    const bool translation = open.direction.head<3>().norm() > 0.5;
+    const Eigen::Vector3d axis =
+        translation ? open.direction.head<3>() : open.direction.tail<3>();
+    char part[160];
+    std::snprintf(part, sizeof(part), "%s%s (%.2f, %.2f, %.2f) is not observed",
+                  text.empty() ? "" : "; ", translation ? "translation along" : "rotation about",
+                  axis.x(), axis.y(), axis.z());
+    text += part;
+  }
+  return text;
+}
+
+void Decide(const RegistrationOptions& options, Registration* result) {
+  if (result->quality < options.least_quality) {
+    result->status = RegistrationStatus::kFailed;
+    result->reason = Format("the best pose explains too little: quality %.2f of %.2f",
+                            result->quality, options.least_quality);
+  } else if (result->runner_up > options.ambiguity * result->quality) {
+    result->status = RegistrationStatus::kAmbiguous;
+    result->reason = Format("another pose explains nearly as much: quality %.2f against %.2f",
+                            result->runner_up, result->quality);
+  } else if (!result->unobserved.empty()) {
+    result->status = RegistrationStatus::kDegenerate;
+    result->reason = DescribeUnobserved(result->unobserved);
+  } else {
+    result->status = RegistrationStatus::kOk;
+  }
+}
+
+Registration Finish(Candidate best, double runner_up, const RegistrationOptions& options) {
+  Registration result;
+  result.refinement = std::move(best.refinement);
+  result.support = best.support;
+  result.quality = best.quality;
+  result.runner_up = runner_up;
+  result.unobserved = FindUnobserved(result.refinement, options);
+  Decide(options, &result);
+  return result;
+}
+
+}  // namespace
+
+const char* ToString(RegistrationStatus status) {
+  switch (status) {
+    case RegistrationStatus::kOk: return "ok";
+    case RegistrationStatus::kDegenerate: return "degenerate";
+    case RegistrationStatus::kAmbiguous: return "ambiguous";
+    case RegistrationStatus::kFailed: return "failed";
+  }
+  return "failed";
+}
+
+double Quality(const Support& support) {
+  return std::max(0.0, support.Score()) * support.WorstDirection();
+}
+
+std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
+                                                const RegistrationOptions& options) {
+  std::vector<UnobservedDirection> found;
+  AddWideAxes(refinement, 0, options.weak_translation, refinement.spurious, &found);
+  AddWideAxes(refinement, 3, options.weak_rotation, Eigen::Matrix3d::Zero(), &found);
+  return found;
+}
+
+Registration Register(const ScanModel& target, const ScanModel& source,
+                      const RegistrationOptions& options) {
+  std::vector<Candidate> candidates;
+  for (const auto& h : FindHypotheses(target, source, options.hypotheses)) {
+    if (!h.rejected.empty()) continue;
+    candidates.push_back(Evaluate(
+        target, source, RefinePose(target, source, h.target_from_source, options.refinement),
+        options));
+  }
+  if (candidates.empty()) {
+    Registration none;
+    none.reason = "the two scans have no two plane directions at equal angles";
+    return none;
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
+  const double runner_up = RunnerUp(candidates);
+  return Finish(std::move(candidates[0]), runner_up, options);
+}
+
+Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,
+                               const PosePrior& guess, const RegistrationOptions& options) {
+  Refinement refinement =
+      RefinePose(target, source, guess.target_from_source, options.refinement, guess);
+  return Finish(Evaluate(target, source, std::move(refinement), options), 0.0, options);
+}
+
+}  // namespace planegraph
