@@ -20,11 +20,20 @@ constexpr double kCalibrationGate = 0.15;
 // Information that stands for none: a standard deviation of a kilometre, or of 1000 radians.
 constexpr double kNothing = 1e-6;
 
+double Median(std::vector<double>* values) {
+  if (values->empty()) return 0.0;
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
 struct Normal {
   Matrix6d information = Matrix6d::Zero();  // with the robust weights
   Vector6d gradient = Vector6d::Zero();
   Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
-  std::map<std::int32_t, Vector6d> by_segment;  // sums of weight * jacobian: a common height error
+  // By segment of the target: sums of weight * jacobian times 1 and the two in-plane coordinates
+  // about its centroid, the effect of a common error of its height and of its two tilts.
+  std::map<std::int32_t, Eigen::Matrix<double, 6, 3>> by_segment;
   std::map<std::pair<std::int32_t, std::int32_t>, int> plane_pairs;
   std::vector<double> squares, variances;  // of the residuals, and what the noise model expects
   int pairs = 0;
@@ -34,13 +43,6 @@ struct Normal {
   // What the noise model does not explain: bent scans, rough walls.
   double Unexplained() { return Variance() - Median(&variances); }
 
- private:
-  static double Median(std::vector<double>* values) {
-    if (values->empty()) return 0.0;
-    const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-    std::nth_element(values->begin(), middle, values->end());
-    return *middle;
-  }
 };
 
 // The part of the weight's variance that lies in the direction of each axis of translation: what
@@ -65,8 +67,9 @@ class Refiner {
 
  private:
   Normal Linearize(const Rigid3& pose, double gate, double floor_variance, bool detailed) const;
-  static void AddDetails(const Surfel& target, const Surfel& source, double weight,
-                         const Vector6d& jacobian, Normal* out);
+  void AddDetails(const Surfel& target, const Surfel& source, double weight,
+                  const Vector6d& jacobian, Normal* out) const;
+  double TiltFloor(const Rigid3& pose, const Normal& normal) const;
   void AddPrior(const Rigid3& pose, Normal* normal) const;
   Vector6d Step(const Normal& normal) const;
   void Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const;
@@ -111,10 +114,15 @@ Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance
 }
 
 void Refiner::AddDetails(const Surfel& target, const Surfel& source, double weight,
-                         const Vector6d& jacobian, Normal* out) {
+                         const Vector6d& jacobian, Normal* out) const {
   out->spurious += weight * NormalCovariance(target);
   if (target.segment < 0) return;
-  out->by_segment.try_emplace(target.segment, Vector6d::Zero()).first->second += weight * jacobian;
+  const PlaneSegment& segment = target_.planes->planes[target.segment];
+  const Eigen::Vector3d arm = target.mean - segment.centroid();
+  const Eigen::Vector3d shares(1.0, segment.axes.vectors.col(1).dot(arm),
+                               segment.axes.vectors.col(2).dot(arm));
+  out->by_segment.try_emplace(target.segment, Eigen::Matrix<double, 6, 3>::Zero()).first->second +=
+      weight * jacobian * shares.transpose();
   if (source.segment >= 0) out->plane_pairs[{target.segment, source.segment}]++;
 }
 
@@ -164,6 +172,25 @@ Refinement Refiner::Run(Rigid3 pose) const {
   return result;
 }
 
+// Tilt between the planes that were paired, beyond what their own covariances explain, radians: the
+// median again, over both in-plane axes of pairs that several surfels have confirmed.
+double Refiner::TiltFloor(const Rigid3& pose, const Normal& normal) const {
+  constexpr int kConfirmed = 4;
+  std::vector<double> squares, expected;
+  for (const auto& [pair, count] : normal.plane_pairs) {
+    if (count < kConfirmed) continue;
+    const PlaneSegment& t = target_.planes->planes[pair.first];
+    const PlaneSegment& s = source_.planes->planes[pair.second];
+    const Eigen::Vector3d source_normal = pose.rotation * s.plane.normal;
+    for (int k = 1; k <= 2; ++k) {
+      squares.push_back(std::pow(t.axes.vectors.col(k).dot(source_normal), 2));
+      expected.push_back(t.covariance(k - 1, k - 1) + s.covariance(k - 1, k - 1));
+    }
+  }
+  if (squares.size() < 8) return 0.0;
+  return std::sqrt(std::max(0.0, Median(&squares) / 0.455 - Median(&expected)));
+}
+
 void Refiner::Summarize(Normal last, const Rigid3& pose, double floor,
                         Refinement* result) const {
   result->target_from_source = pose;
@@ -172,8 +199,13 @@ void Refiner::Summarize(Normal last, const Rigid3& pose, double floor,
   result->pairs = last.pairs;
   result->floor = std::sqrt(floor);
   result->rms = std::sqrt(last.Variance());
+  result->tilt_floor = TiltFloor(pose, last);
+  const Eigen::Vector3d variances(floor, std::pow(result->tilt_floor, 2),
+                                  std::pow(result->tilt_floor, 2));
   Matrix6d shared = Matrix6d::Zero();
-  for (const auto& [segment, sum] : last.by_segment) shared += floor * sum * sum.transpose();
+  for (const auto& [segment, sums] : last.by_segment) {
+    shared += sums * variances.asDiagonal() * sums.transpose();
+  }
   const Matrix6d total = last.information + prior_information_ + kNothing * Matrix6d::Identity();
   const Matrix6d inverse = total.ldlt().solve(Matrix6d::Identity());
   result->covariance = inverse + inverse * shared * inverse;

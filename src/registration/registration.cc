@@ -52,22 +52,43 @@ double RunnerUp(const std::vector<Candidate>& candidates) {
   return 0.0;
 }
 
-// One 3x3 block (translation or rotation) of the covariance: its wide axes.
-void AddWideAxes(const Refinement& refinement, int first, double limit, const Eigen::Matrix3d& fake,
-                 std::vector<UnobservedDirection>* found) {
-  const Eigen::Matrix3d covariance = refinement.covariance.block<3, 3>(first, first);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+UnobservedDirection MakeOpen(int first, const Eigen::Vector3d& axis, double sigma) {
+  UnobservedDirection open;
+  open.direction.setZero();
+  open.direction.segment<3>(first) = axis;
+  open.sigma = sigma > kInfinite ? std::numeric_limits<double>::quiet_NaN() : sigma;
+  return open;
+}
+
+// Information on the translation when the rotation is free, too.
+Eigen::Matrix3d TranslationInformation(const Matrix6d& information) {
+  const Eigen::Matrix3d rotation =
+      information.bottomRightCorner<3, 3>() + 1e-9 * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d cross = information.topRightCorner<3, 3>();
+  return information.topLeftCorner<3, 3>() - cross * rotation.ldlt().solve(cross.transpose());
+}
+
+void AddOpenTranslations(const Refinement& refinement, double limit,
+                         std::vector<UnobservedDirection>* found) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      Eigen::Matrix3d(refinement.covariance.topLeftCorner<3, 3>()));
+  const Eigen::Matrix3d information = TranslationInformation(refinement.information);
   for (int k = 2; k >= 0; --k) {
     const Eigen::Vector3d axis = eigen.eigenvectors().col(k);
-    const double variance = std::max(eigen.eigenvalues()[k], 1e-300);
-    const bool faked = 1.0 / variance <= 9.0 * axis.dot(fake * axis);
-    if (std::sqrt(variance) <= limit && !faked) continue;
-    UnobservedDirection open;
-    open.direction.setZero();
-    open.direction.segment<3>(first) = axis;
-    const bool unknown = faked || std::sqrt(variance) > kInfinite;
-    open.sigma = unknown ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(variance);
-    found->push_back(open);
+    const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
+    const bool faked = axis.dot(information * axis) <= 9.0 * axis.dot(refinement.spurious * axis);
+    if (faked) found->push_back(MakeOpen(0, axis, INFINITY));
+    if (!faked && sigma > limit) found->push_back(MakeOpen(0, axis, sigma));
+  }
+}
+
+void AddOpenRotations(const Refinement& refinement, double limit,
+                      std::vector<UnobservedDirection>* found) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      Eigen::Matrix3d(refinement.covariance.bottomRightCorner<3, 3>()));
+  for (int k = 2; k >= 0; --k) {
+    const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
+    if (sigma > limit) found->push_back(MakeOpen(3, eigen.eigenvectors().col(k), sigma));
   }
 }
 
@@ -133,8 +154,8 @@ double Quality(const Support& support) {
 std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
                                                 const RegistrationOptions& options) {
   std::vector<UnobservedDirection> found;
-  AddWideAxes(refinement, 0, options.weak_translation, refinement.spurious, &found);
-  AddWideAxes(refinement, 3, options.weak_rotation, Eigen::Matrix3d::Zero(), &found);
+  AddOpenTranslations(refinement, options.weak_translation, &found);
+  AddOpenRotations(refinement, options.weak_rotation, &found);
   return found;
 }
 

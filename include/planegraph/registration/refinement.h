@@ -40,6 +40,7 @@ struct Refinement {
   /// (ALGORITHMS 3.2: sum of w_i C_nn,i).
   Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
   double floor = 0.0;            ///< height error that the noise model does not explain, metres
+  double tilt_floor = 0.0;       ///< likewise of the planes' normals, radians
   double rms = 0.0;              ///< of the residuals, metres
   /// Covariance (INTERFACE order) with the floor as an error that all surfels of one segment share:
   /// a bent scan does not average out over the points of a wall. Singular directions: see Register.

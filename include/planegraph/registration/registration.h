@@ -25,8 +25,8 @@ struct RegistrationOptions {
   double support_gate = 0.1;     ///< metres, of the final verification
   double least_quality = 0.2;    ///< of a pose to be believed
   double ambiguity = 0.75;       ///< a second pose with this share of the best one's quality is one
-  double weak_translation = 0.1;  ///< metres: a larger standard deviation is "not observed"
-  double weak_rotation = 0.0175;  ///< radians, likewise
+  double weak_translation = 0.05;  ///< metres: a larger standard deviation is "not observed"
+  double weak_rotation = 0.0175;   ///< radians, likewise
 };
 
 /// The pose between two scans and what is known of it.
