@@ -6,13 +6,14 @@ macro(planegraph_find_package)
   set_property(GLOBAL APPEND PROPERTY PLANEGRAPH_PACKAGES "${package}")
 endmacro()
 
-# Packages of the core. PCL, Embree, GTest and Benchmark are looked for where they are used.
+# Packages of the core. PCL, GTest and Benchmark are looked for where they are used.
 planegraph_find_package(Threads)
 planegraph_find_package(Eigen3 3.4 NO_MODULE)
 planegraph_find_package(Ceres 2.1)
 planegraph_find_package(nlohmann_json 3.11)
 planegraph_find_package(yaml-cpp)
 planegraph_find_package(nanoflann)
+planegraph_find_package(embree 3)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)

@@ -3,9 +3,11 @@
 namespace planegraph::tools {
 
 // One line declares and one lists a command; each is defined in tools/NAME.cc.
+Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
+      SimulateCommand(),
   };
 }
 

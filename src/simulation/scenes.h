@@ -1,0 +1,11 @@
+#pragma once
+
+#include "planegraph/simulation/scene.h"
+
+namespace planegraph {
+
+Scene BuildHall(Random* random);
+Scene BuildCorridor(Random* random, double max_range);
+Scene BuildYard(Random* random);
+
+}  // namespace planegraph
