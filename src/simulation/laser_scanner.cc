@@ -59,7 +59,8 @@ class Ranger {
     const double angle = options_.divergence * std::sqrt(random_.Uniform());
     const double azimuth = random_.Uniform(0.0, 6.283185307179586);
     const auto other = caster_.Cast(origin, Beside(direction, angle, azimuth), options_.max_range);
-    if (!other) return;
+    // The smear on one surface at grazing incidence is part of the range noise.
+    if (!other || (other->label == result->label && result->label != kNotPlanar)) return;
     const double gap = other->distance - result->range;
     if (std::abs(gap) < options_.mixed_min || std::abs(gap) > options_.mixed_max) return;
     if (!random_.Chance(options_.mixed_share)) return;

@@ -36,7 +36,7 @@ void AddPerforated(MeshBuilder* builder, const Rigid3& world_from_wall, const Re
   for (const Opening& o : openings) {
     const double end = o.start + o.width;
     AddUpright(builder, world_from_wall, {x, o.start, r.z0, r.z1}, y, label);
-    AddUpright(builder, world_from_wall, {o.start, end, r.z0, o.sill}, y, label);
+    if (o.sill > 0.0) AddUpright(builder, world_from_wall, {o.start, end, r.z0, o.sill}, y, label);
     AddUpright(builder, world_from_wall, {o.start, end, o.sill + o.height, r.z1}, y, label);
     x = end;
   }
@@ -44,9 +44,10 @@ void AddPerforated(MeshBuilder* builder, const Rigid3& world_from_wall, const Re
 }
 
 // The faces inside an opening, between the wall's two sides at y = 0 and y = depth.
-void AddReveal(MeshBuilder* builder, const Rigid3& world_from_wall, const Opening& o,
-               double depth) {
-  const double x0 = o.start, x1 = o.start + o.width, z0 = o.sill, z1 = o.sill + o.height;
+void AddReveal(MeshBuilder* builder, const Rigid3& world_from_wall, const Opening& o, double depth,
+               double bottom) {
+  const double x0 = o.start, x1 = o.start + o.width, z1 = o.sill + o.height;
+  const double z0 = o.sill > 0.0 ? o.sill : bottom;
   const auto face = [&](double xa, double za, double xb, double zb) {
     builder->AddFace(Place(world_from_wall, {Vector3d(xa, 0, za), Vector3d(xa, depth, za),
                                              Vector3d(xb, depth, zb), Vector3d(xb, 0, zb)}));
@@ -119,7 +120,8 @@ void AddWall(MeshBuilder* builder, const Rigid3& world_from_wall, const Wall& wa
     const int label = AddSide(builder, world_from_wall, y, y > 0.0 ? 1.0 : -1.0);
     AddPerforated(builder, world_from_wall, all, y, wall.openings, label);
   }
-  for (const Opening& o : wall.openings) AddReveal(builder, world_from_wall, o, wall.thickness);
+  for (const Opening& o : wall.openings)
+    AddReveal(builder, world_from_wall, o, wall.thickness, wall.bottom);
   const double l = wall.length, t = wall.thickness, a = wall.bottom, b = wall.height;
   const auto face = [&](std::vector<Vector3d> corners) {
     builder->AddFace(Place(world_from_wall, std::move(corners)));
@@ -135,7 +137,7 @@ void AddShell(MeshBuilder* builder, const Rigid3& world_from_shell, const Shell&
     AddShellFace(builder, world_from_side, shell, side, 0.0);
     AddShellFace(builder, world_from_side, shell, side, shell.thickness);
     for (const Opening& o : shell.openings[side]) {
-      AddReveal(builder, world_from_side, o, shell.thickness);
+      AddReveal(builder, world_from_side, o, shell.thickness, shell.bottom);
     }
   }
 }

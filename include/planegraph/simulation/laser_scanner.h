@@ -31,8 +31,9 @@ struct ScannerOptions {
   double dropout_constant = 0.008, dropout_quadratic = 0.05, dropout_grazing = 0.5;
   double dropout_cosine = 0.15;
 
-  /// Mixed pixels: where a second ray within `divergence` (radians) ends between mixed_min and
-  /// mixed_max (metres) nearer or farther, in a share of mixed_share a blend of both is returned.
+  /// Mixed pixels: where a second ray within `divergence` (radians) meets another surface between
+  /// mixed_min and mixed_max (metres) nearer or farther, in a share of mixed_share a blend of both
+  /// ranges is returned.
   double divergence = 0.0035, mixed_min = 0.12, mixed_max = 4.0, mixed_share = 0.6;
 
   double RangeSigma(double range, double cosine) const;

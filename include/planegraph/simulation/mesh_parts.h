@@ -23,7 +23,7 @@ void AddBox(MeshBuilder* builder, const Rigid3& world_from_box, const Eigen::Vec
 struct Opening {
   double start = 0.0;   ///< along the wall, from its left end as seen from outside
   double width = 1.0;   ///< along the wall
-  double sill = 0.0;    ///< height of the lower edge; 0 or below: a door, without a sill face
+  double sill = 0.0;    ///< height of the lower edge; 0: a door, open down to the wall's bottom
   double height = 2.0;  ///< of the opening itself
 };
 

@@ -5,11 +5,11 @@
 
 namespace planegraph {
 
-/// Random numbers that are the same everywhere: std::mt19937_64 is fixed by the C++ standard, and the
-/// transforms are our own, since those of <random> differ between standard libraries. Each part of
-/// a simulation draws from a stream of its own, so that no part changes the numbers of another one
-/// and the work can be shared among threads. Draw once per statement, or in braces: C++ leaves the
-/// order of operands and of a call's arguments to the compiler.
+/// Random numbers that are the same everywhere: std::mt19937_64 is fixed by the C++ standard, and
+/// the transforms are our own, since those of <random> differ between standard libraries. Each part
+/// of a simulation draws from a stream of its own, so that no part changes the numbers of another
+/// one and the work can be shared among threads. Draw once per statement, or in braces: C++ leaves
+/// the order of operands and of a call's arguments to the compiler.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0);
