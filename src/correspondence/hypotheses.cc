@@ -11,8 +11,8 @@
 namespace planegraph {
 namespace {
 
-constexpr double kLeastCosine = 0.94;        // 20 degrees between surfaces that shall be one
-constexpr double kFreeMargin = 0.5;          // metres a beam must pass beyond a place to deny it
+constexpr double kLeastCosine = 0.94;  // 20 degrees between surfaces that shall be one
+constexpr double kFreeMargin = 0.5;    // metres a beam must pass beyond a place to deny it
 constexpr double kDistinctMetres = 1.0, kDistinctRadians = 0.17;
 // Steps along a direction that no plane fixes: the verification may still know more.
 constexpr double kOpenStep = 1.0;
@@ -86,7 +86,6 @@ void KeepDistinct(const HypothesisOptions& options, std::vector<PoseHypothesis>*
   }
 }
 
-
 // Support by every stride-th sample from `first` on, added up without normalization.
 Support PartialSupport(const ScanModel& target, const ScanModel& source, const Rigid3& pose,
                        double gate, std::size_t first, std::size_t stride) {
@@ -140,7 +139,8 @@ double Support::WorstDirection() const {
   const Eigen::Matrix3d all =
       agree_by_direction + violate_by_direction + floor * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d good = agree_by_direction + floor * Eigen::Matrix3d::Identity();
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(good, all, Eigen::EigenvaluesOnly)
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(good, all,
+                                                                   Eigen::EigenvaluesOnly)
       .eigenvalues()[0];
 }
 

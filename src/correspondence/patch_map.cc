@@ -6,9 +6,9 @@
 namespace planegraph {
 namespace {
 
-constexpr double kCell = 0.8;   // metres; a query looks at three cells along the normal
+constexpr double kCell = 0.8;    // metres; a query looks at three cells along the normal
 constexpr double kReach = 0.75;  // a surfel answers within this share of its cell's edge
-constexpr double kSlack = 0.1;  // metres beyond it
+constexpr double kSlack = 0.1;   // metres beyond it
 
 Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
   return (point / kCell).array().floor().cast<int>();
@@ -55,8 +55,8 @@ double Surfel::HeightVariance(const Eigen::Vector3d& point) const {
 
 namespace {
 
-// Takes over the segment's normal, which more points have determined, where the patch's own does not
-// contradict it.
+// Takes over the segment's normal, which more points have determined, where the patch's own does
+// not contradict it.
 void AdoptSegmentPlane(const PlaneSegment& segment, Surfel* surfel) {
   const double tilt = std::sqrt(std::max(surfel->variance1, surfel->variance2));
   const double cosine = segment.plane.normal.dot(surfel->normal);

@@ -8,7 +8,7 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kMostPlanes = 80;      // for directions and votes
+constexpr std::size_t kMostPlanes = 80;  // for directions and votes
 constexpr std::size_t kMostDirections = 16;
 constexpr std::size_t kSamples = 256;
 const double kSameDirection = std::cos(6.0 * std::numbers::pi / 180.0);
@@ -44,9 +44,8 @@ std::vector<DirectionCluster> ClusterDirections(const PlaneSet& set) {
     clusters[best].planes.push_back(p);
   }
   for (auto& cluster : clusters) cluster.weight = std::sqrt(cluster.weight);
-  std::stable_sort(clusters.begin(), clusters.end(), [](const auto& a, const auto& b) {
-    return a.weight > b.weight;
-  });
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
   if (clusters.size() > kMostDirections) clusters.resize(kMostDirections);
   return clusters;
 }

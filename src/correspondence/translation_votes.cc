@@ -6,9 +6,9 @@
 namespace planegraph {
 namespace {
 
-constexpr double kSame = 0.99;          // cosine between a target direction and a rotated source one
-constexpr double kWindow = 0.4;         // metres
-constexpr double kIndependent = 0.35;   // least sine to a second axis, least volume with a third
+constexpr double kSame = 0.99;         // cosine between a target direction and a rotated source one
+constexpr double kWindow = 0.4;        // metres
+constexpr double kIndependent = 0.35;  // least sine to a second axis, least volume with a third
 constexpr std::size_t kPlanesPerDirection = 12;
 
 void CollectVotes(const PlaneSet& target, const PlaneSet& source, const DirectionCluster& t,

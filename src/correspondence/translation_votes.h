@@ -23,8 +23,8 @@ struct AxisVotes {
 std::vector<AxisVotes> VoteTranslations(const ScanModel& target, const ScanModel& source,
                                         const Eigen::Matrix3d& rotation, std::size_t most_peaks);
 
-/// Peaks of weighted votes: the windows of the given width that hold the most weight, by a sweep over
-/// the sorted votes; windows that overlap a better one are dropped.
+/// Peaks of weighted votes: the windows of the given width that hold the most weight, by a sweep
+/// over the sorted votes; windows that overlap a better one are dropped.
 std::vector<VotePeak> FindPeaks(std::vector<VotePeak> votes, double width, std::size_t most);
 
 }  // namespace planegraph

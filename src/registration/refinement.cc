@@ -38,11 +38,11 @@ struct Normal {
   std::vector<double> squares, variances;  // of the residuals, and what the noise model expects
   int pairs = 0;
 
-  // Robust variance of the residuals: the median of squares of a normal distribution is 0.455 of it.
+  // Robust variance of the residuals: the median of squares of a normal distribution is 0.455 of
+  // it.
   double Variance() { return Median(&squares) / 0.455; }
   // What the noise model does not explain: bent scans, rough walls.
   double Unexplained() { return Variance() - Median(&variances); }
-
 };
 
 // The part of the weight's variance that lies in the direction of each axis of translation: what
@@ -83,7 +83,7 @@ class Refiner {
 };
 
 Normal Refiner::Linearize(const Rigid3& pose, double gate, double floor_variance,
-                           bool detailed) const {
+                          bool detailed) const {
   Normal out;
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   // Wide gates come with poor rotations; narrow ones ask for surfaces that face alike.
@@ -138,8 +138,8 @@ Vector6d Refiner::Step(const Normal& normal) const {
   // A millionth of the mean information keeps open directions where they are.
   Matrix6d damped = normal.information;
   for (int k = 0; k < 6; ++k) {
-    const double mean = (k < 3 ? damped.topLeftCorner<3, 3>() : damped.bottomRightCorner<3, 3>())
-                            .trace() / 3.0;
+    const double mean =
+        (k < 3 ? damped.topLeftCorner<3, 3>() : damped.bottomRightCorner<3, 3>()).trace() / 3.0;
     damped(k, k) += 1e-6 * mean + 1e-9;
   }
   return -damped.ldlt().solve(normal.gradient);
@@ -154,8 +154,8 @@ Refinement Refiner::Run(Rigid3 pose) const {
     if (gate <= kCalibrationGate) {
       // The surfaces themselves say how well they can agree.
       floor = std::max(least_floor, normal.Unexplained());
-      last_gate = std::clamp(4.0 * std::sqrt(normal.Variance()), options_.last_gate,
-                             kCalibrationGate);
+      last_gate =
+          std::clamp(4.0 * std::sqrt(normal.Variance()), options_.last_gate, kCalibrationGate);
     }
     AddPrior(pose, &normal);
     const Vector6d step = Step(normal);
@@ -191,8 +191,7 @@ double Refiner::TiltFloor(const Rigid3& pose, const Normal& normal) const {
   return std::sqrt(std::max(0.0, Median(&squares) / 0.455 - Median(&expected)));
 }
 
-void Refiner::Summarize(Normal last, const Rigid3& pose, double floor,
-                        Refinement* result) const {
+void Refiner::Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const {
   result->target_from_source = pose;
   result->information = last.information;
   result->spurious = last.spurious;

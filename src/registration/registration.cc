@@ -96,8 +96,7 @@ std::string DescribeUnobserved(const std::vector<UnobservedDirection>& unobserve
   std::string text;
   for (const auto& open : unobserved) {
     const bool translation = open.direction.head<3>().norm() > 0.5;
-    const Eigen::Vector3d axis =
-        translation ? open.direction.head<3>() : open.direction.tail<3>();
+    const Eigen::Vector3d axis = translation ? open.direction.head<3>() : open.direction.tail<3>();
     char part[160];
     std::snprintf(part, sizeof(part), "%s%s (%.2f, %.2f, %.2f) is not observed",
                   text.empty() ? "" : "; ", translation ? "translation along" : "rotation about",
@@ -139,10 +138,14 @@ Registration Finish(Candidate best, double runner_up, const RegistrationOptions&
 
 const char* ToString(RegistrationStatus status) {
   switch (status) {
-    case RegistrationStatus::kOk: return "ok";
-    case RegistrationStatus::kDegenerate: return "degenerate";
-    case RegistrationStatus::kAmbiguous: return "ambiguous";
-    case RegistrationStatus::kFailed: return "failed";
+    case RegistrationStatus::kOk:
+      return "ok";
+    case RegistrationStatus::kDegenerate:
+      return "degenerate";
+    case RegistrationStatus::kAmbiguous:
+      return "ambiguous";
+    case RegistrationStatus::kFailed:
+      return "failed";
   }
   return "failed";
 }
@@ -164,9 +167,9 @@ Registration Register(const ScanModel& target, const ScanModel& source,
   std::vector<Candidate> candidates;
   for (const auto& h : FindHypotheses(target, source, options.hypotheses)) {
     if (!h.rejected.empty()) continue;
-    candidates.push_back(Evaluate(
-        target, source, RefinePose(target, source, h.target_from_source, options.refinement),
-        options));
+    candidates.push_back(
+        Evaluate(target, source,
+                 RefinePose(target, source, h.target_from_source, options.refinement), options));
   }
   if (candidates.empty()) {
     Registration none;

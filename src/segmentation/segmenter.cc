@@ -19,8 +19,7 @@ class Segmenter {
       : cloud_(cloud),
         options_(options),
         octree_(cloud, options.cell_size, options.levels),
-        noise_(options.noise ? *options.noise
-                             : EstimateNoise(CollectNoiseSamples(octree_, cloud))),
+        noise_(options.noise ? *options.noise : EstimateNoise(CollectNoiseSamples(octree_, cloud))),
         split_(SplitIntoPlanarCells(octree_, cloud, noise_, options)) {}
 
   Segmentation Run();
@@ -47,16 +46,15 @@ class Segmenter {
 };
 
 void Segmenter::KeepLargeRegions() {
-  std::erase_if(regions_, [&](const Region& region) {
-    return region.sums.count < options_.min_points;
-  });
+  std::erase_if(regions_,
+                [&](const Region& region) { return region.sums.count < options_.min_points; });
   segment_of_cell_.assign(split_.planar.size(), -1);
   for (std::size_t s = 0; s < regions_.size(); ++s) {
     for (const std::uint32_t cell : regions_[s].cells) {
       segment_of_cell_[cell] = static_cast<std::int32_t>(s);
     }
-    planes_.push_back(LeastSquaresPlane(regions_[s].sums.ToMoments(),
-                                        cloud_.viewpoint - cloud_.offset));
+    planes_.push_back(
+        LeastSquaresPlane(regions_[s].sums.ToMoments(), cloud_.viewpoint - cloud_.offset));
   }
 }
 
@@ -72,8 +70,7 @@ void Segmenter::LabelPlanarCells() {
 std::vector<std::int32_t> Segmenter::SegmentsAround(int level, const Eigen::Vector3i& at) const {
   std::vector<std::int32_t> found;
   for (int k = 0; k < 27; ++k) {
-    const Eigen::Vector3i coordinates =
-        at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const Eigen::Vector3i coordinates = at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
     const int cell = octree_.Find(level, coordinates);
     if (cell < 0 || split_.owner[level][cell] < 0) continue;
     const std::int32_t segment = segment_of_cell_[split_.owner[level][cell]];
@@ -126,8 +123,8 @@ void Segmenter::BuildSegments() {
   }
   std::vector<std::int32_t> new_id(regions_.size(), -1);
   for (std::size_t s = 0; s < regions_.size(); ++s) {
-    PlaneSegment segment = BuildSegment(regions_[s], planes_[s], octree_.sorted_points(),
-                                        members[s], options_);
+    PlaneSegment segment =
+        BuildSegment(regions_[s], planes_[s], octree_.sorted_points(), members[s], options_);
     if (segment.area < options_.min_area) continue;
     segment.id = new_id[s] = static_cast<std::int32_t>(result_.planes.planes.size());
     result_.planes.planes.push_back(std::move(segment));

@@ -10,11 +10,11 @@ namespace planegraph {
 
 /// How well a pose explains a scan's surfaces, as weighted shares of the source's samples.
 struct Support {
-  double agree = 0.0;     ///< a surface of the target lies there and faces the same way
-  double violate = 0.0;   ///< the target's laser looked through the place
-  double unknown = 0.0;   ///< the target did not see the place
-  /// Sums of weight * n n^T over the agreeing and over the violating samples, n being their normals:
-  /// which directions of translation the agreement stands for.
+  double agree = 0.0;    ///< a surface of the target lies there and faces the same way
+  double violate = 0.0;  ///< the target's laser looked through the place
+  double unknown = 0.0;  ///< the target did not see the place
+  /// Sums of weight * n n^T over the agreeing and over the violating samples, n being their
+  /// normals: which directions of translation the agreement stands for.
   Eigen::Matrix3d agree_by_direction = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d violate_by_direction = Eigen::Matrix3d::Zero();
 
@@ -41,16 +41,17 @@ struct HypothesisOptions {
   std::size_t peaks_per_axis = 8;
   std::size_t most_translations = 64;  ///< per rotation
   std::size_t most_verified = 96;      ///< by all samples, after a first look by few
-  std::size_t most_kept = 12;  ///< hypotheses handed on, best first
-  double gate = 0.4;           ///< metres, of the coarse verification
-  bool keep_rejected = false;  ///< list the dropped ones too, with the reason
+  std::size_t most_kept = 12;          ///< hypotheses handed on, best first
+  double gate = 0.4;                   ///< metres, of the coarse verification
+  bool keep_rejected = false;          ///< list the dropped ones too, with the reason
 };
 
 /// Poses that would align two scans without any guess (ALGORITHMS: rotation first). Rotations come
-/// from pairs of direction clusters with equal angles; with the rotation known every pair of parallel
-/// planes votes for the translation along its normal, and the peaks of these one-dimensional votes,
-/// found exactly by a sweep over the sorted votes, combine to translations. Each is verified with the
-/// target's surfaces and its free space. Best first, distinct by 1 m or 10 degrees.
+/// from pairs of direction clusters with equal angles; with the rotation known every pair of
+/// parallel planes votes for the translation along its normal, and the peaks of these
+/// one-dimensional votes, found exactly by a sweep over the sorted votes, combine to translations.
+/// Each is verified with the target's surfaces and its free space. Best first, distinct by 1 m or
+/// 10 degrees.
 std::vector<PoseHypothesis> FindHypotheses(const ScanModel& target, const ScanModel& source,
                                            const HypothesisOptions& options = {});
 

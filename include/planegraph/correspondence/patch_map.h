@@ -11,10 +11,11 @@ namespace planegraph {
 struct Surfel {
   Eigen::Vector3d mean, normal;
   Eigen::Vector3d axis1, axis2;  ///< in-plane principal axes
-  double variance1, variance2;   ///< of the tilt about them: variance of a height at a distance of 1 m
-  double offset_variance;        ///< of the height at the mean, m^2
-  double size;                   ///< edge length of its cell, metres
-  double area;                   ///< size^2
+  double variance1,
+      variance2;           ///< of the tilt about them: variance of a height at a distance of 1 m
+  double offset_variance;  ///< of the height at the mean, m^2
+  double size;             ///< edge length of its cell, metres
+  double area;             ///< size^2
   std::int32_t segment;
 
   /// Variance of the surface's height at a point near the patch, m^2.
@@ -33,8 +34,8 @@ class PatchMap {
   const std::vector<Surfel>& surfels() const { return surfels_; }
 
   /// The surfel whose plane is nearest to `point` (target frame), among those that face like
-  /// `normal` (cosine at least `least_cosine`), lie within `gate` metres along their normal, and whose
-  /// cell (half as much again) reaches to the point's foot. -1 where there is none.
+  /// `normal` (cosine at least `least_cosine`), lie within `gate` metres along their normal, and
+  /// whose cell (half as much again) reaches to the point's foot. -1 where there is none.
   int Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
            double least_cosine) const;
 

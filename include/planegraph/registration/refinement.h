@@ -19,10 +19,10 @@ struct PosePrior {
 };
 
 struct RefinementOptions {
-  double first_gate = 0.5;       ///< metres along the normal, of the first association
-  double last_gate = 0.05;       ///< metres, of the last one
+  double first_gate = 0.5;  ///< metres along the normal, of the first association
+  double last_gate = 0.05;  ///< metres, of the last one
   int most_iterations = 25;
-  double floor_offset = 0.002;   ///< least systematic error of a surfel's height, metres
+  double floor_offset = 0.002;      ///< least systematic error of a surfel's height, metres
   std::size_t most_surfels = 2000;  ///< of the source that take part, evenly spread
 };
 
@@ -39,9 +39,9 @@ struct Refinement {
   /// Information that noise of the normals alone would fake, by direction of translation
   /// (ALGORITHMS 3.2: sum of w_i C_nn,i).
   Eigen::Matrix3d spurious = Eigen::Matrix3d::Zero();
-  double floor = 0.0;            ///< height error that the noise model does not explain, metres
-  double tilt_floor = 0.0;       ///< likewise of the planes' normals, radians
-  double rms = 0.0;              ///< of the residuals, metres
+  double floor = 0.0;       ///< height error that the noise model does not explain, metres
+  double tilt_floor = 0.0;  ///< likewise of the planes' normals, radians
+  double rms = 0.0;         ///< of the residuals, metres
   /// Covariance (INTERFACE order) with the floor as an error that all surfels of one segment share:
   /// a bent scan does not average out over the points of a wall. Singular directions: see Register.
   Matrix6d covariance = Matrix6d::Zero();
@@ -51,10 +51,10 @@ struct Refinement {
   bool converged = false;
 };
 
-/// Iterated association of surfels and weighted Gauss-Newton on their plane-to-plane heights, from a
-/// wide gate to a narrow one; Geman-McClure weights at the width of the gate. The six unknowns are
-/// solved jointly; directions that the surfaces leave open stay where the prior (or the start) has
-/// them.
+/// Iterated association of surfels and weighted Gauss-Newton on their plane-to-plane heights, from
+/// a wide gate to a narrow one; Geman-McClure weights at the width of the gate. The six unknowns
+/// are solved jointly; directions that the surfaces leave open stay where the prior (or the start)
+/// has them.
 Refinement RefinePose(const ScanModel& target, const ScanModel& source,
                       const Rigid3& target_from_source, const RefinementOptions& options = {},
                       const std::optional<PosePrior>& prior = {});

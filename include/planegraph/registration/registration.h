@@ -22,9 +22,9 @@ struct UnobservedDirection {
 struct RegistrationOptions {
   HypothesisOptions hypotheses;
   RefinementOptions refinement;
-  double support_gate = 0.1;     ///< metres, of the final verification
-  double least_quality = 0.2;    ///< of a pose to be believed
-  double ambiguity = 0.75;       ///< a second pose with this share of the best one's quality is one
+  double support_gate = 0.1;   ///< metres, of the final verification
+  double least_quality = 0.2;  ///< of a pose to be believed
+  double ambiguity = 0.75;     ///< a second pose with this share of the best one's quality is one
   double weak_translation = 0.05;  ///< metres: a larger standard deviation is "not observed"
   double weak_rotation = 0.0175;   ///< radians, likewise
 };
@@ -45,8 +45,8 @@ struct Registration {
 /// violate free space, times the agreement in the worst direction.
 double Quality(const Support& support);
 
-/// Directions that the information leaves open: where the standard deviation is above the limits, or
-/// where noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2).
+/// Directions that the information leaves open: where the standard deviation is above the limits,
+/// or where noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2).
 std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
                                                 const RegistrationOptions& options);
 
@@ -55,7 +55,8 @@ std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
 Registration Register(const ScanModel& target, const ScanModel& source,
                       const RegistrationOptions& options = {});
 
-/// Registers from a guess with its covariance: refinement from it, verified; no other pose is tried.
+/// Registers from a guess with its covariance: refinement from it, verified; no other pose is
+/// tried.
 Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,
                                const PosePrior& guess, const RegistrationOptions& options = {});
 

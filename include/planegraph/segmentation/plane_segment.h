@@ -55,8 +55,8 @@ struct PlaneSegment {
   double area = 0.0;       ///< square metres
   double thickness = 0.0;  ///< expected noise of a single point along the normal, metres
   /// Covariance of (tilt about axes 1 and 2 in radians, offset at the centroid in metres), with
-  /// N_eff and the systematic floors: rows and columns in the order (delta along axis 1, delta along
-  /// axis 2, offset), where normal -> normal + delta_1 axis_1 + delta_2 axis_2.
+  /// N_eff and the systematic floors: rows and columns in the order (delta along axis 1, delta
+  /// along axis 2, offset), where normal -> normal + delta_1 axis_1 + delta_2 axis_2.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Orientation orientation = Orientation::kSensor;
   CloudKind source = CloudKind::kLaser;
@@ -76,7 +76,7 @@ struct PlaneSet {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< taken off the cloud's coordinates before
   std::size_t point_count = 0;                       ///< of the cloud after the filters
   RangeImage range_image;  ///< free space as the laser saw it; empty for vision clouds
-  NoiseModel noise;  ///< of a point along the normal, as estimated or given
+  NoiseModel noise;        ///< of a point along the normal, as estimated or given
 };
 
 }  // namespace planegraph

@@ -7,8 +7,8 @@
 
 namespace planegraph {
 
-/// What the sensor saw in each direction: on the faces of a cube about the viewpoint, the nearest and
-/// the farthest range of the points in each pixel. It tells free space: a beam passed through
+/// What the sensor saw in each direction: on the faces of a cube about the viewpoint, the nearest
+/// and the farthest range of the points in each pixel. It tells free space: a beam passed through
 /// everything nearer than the nearest return.
 class RangeImage {
  public:
@@ -16,7 +16,8 @@ class RangeImage {
   explicit RangeImage(const Cloud& cloud);
 
   enum class Space { kUnseen, kFree, kSurface, kHidden };
-  /// What is known about a place (cloud's frame less the offset), with `margin` metres of tolerance.
+  /// What is known about a place (cloud's frame less the offset), with `margin` metres of
+  /// tolerance.
   Space Classify(const Eigen::Vector3d& point, double margin) const;
 
  private:
