@@ -39,6 +39,8 @@ TEST(Cli, HelpListsTheCommandsAndTheExitCodes) {
   }
 }
 
+TEST(Cli, HelpListsTheSimulation) { EXPECT_TRUE(IsListed("simulate")); }
+
 TEST(Cli, VersionIsOneLine) {
   for (const char* arguments : {"version", "--version"}) {
     const Outcome outcome = RunTool(arguments);
