@@ -3,10 +3,12 @@
 namespace planegraph::tools {
 
 // One line declares and one lists a command; each is defined in tools/NAME.cc.
+Command EvaluateCommand();
 Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
+      EvaluateCommand(),
       SimulateCommand(),
   };
 }

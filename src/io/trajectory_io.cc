@@ -47,6 +47,7 @@ void AddKitti(const std::vector<double>& row, const std::string& file, std::size
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(row.data());
   trajectory->times.push_back(static_cast<double>(trajectory->size()));
   trajectory->poses.emplace_back(CheckedRotation(matrix.leftCols<3>(), file, line), matrix.col(3));
+  trajectory->matrices.push_back(matrix.leftCols<3>());
 }
 
 std::vector<std::string> FilesEndingIn(const std::string& folder, const std::string& ending) {

@@ -13,6 +13,9 @@ struct Trajectory {
   std::vector<double> times;
   std::vector<Rigid3> poses;
   bool has_times = true;
+  /// The rotations as a file of matrices (KITTI) holds them, rounded and so not quite orthonormal;
+  /// empty or one per pose. Errors of a hundredth of a millimetre depend on them.
+  std::vector<Eigen::Matrix3d> matrices = {};
 
   std::size_t size() const { return poses.size(); }
 };

@@ -1,0 +1,65 @@
+#include "planegraph/evaluation/scan_merge.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <unordered_set>
+
+#include "planegraph/base/error.h"
+
+namespace planegraph {
+namespace {
+
+constexpr double kMaxIndex = 1 << 20;
+
+struct HashKey {
+  std::size_t operator()(std::uint64_t key) const {
+    key ^= key >> 31;
+    return key * 0x9E3779B97F4A7C15ull;
+  }
+};
+
+std::uint64_t VoxelKey(const Eigen::Vector3d& point, double voxel) {
+  const Eigen::Array3d cell = (point / voxel).array().floor();
+  if (!(cell.abs() < kMaxIndex).all()) throw UsageError("the voxel is too small for the scan");
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    key = (key << 21) | static_cast<std::uint64_t>(cell[axis] + kMaxIndex);
+  }
+  return key;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> FirstOfEachVoxel(const Cloud& cloud, double voxel) {
+  std::unordered_set<std::uint64_t, HashKey> occupied;
+  occupied.reserve(cloud.size());
+  std::vector<std::uint32_t> first;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (occupied.insert(VoxelKey(cloud.Position(i), voxel)).second) {
+      first.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  return first;
+}
+
+void ScanMerger::Add(const Cloud& scan, const Rigid3& world_from_scan) {
+  if (!offset_) offset_ = world_from_scan.translation;
+  merged_.offset = *offset_;
+  const double farthest =
+      options_.max_range > 0.0 ? options_.max_range : std::numeric_limits<double>::infinity();
+  std::vector<std::uint32_t> in_range;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const double range = scan.Position(i).norm();
+    if (range < options_.min_range || range > farthest) continue;
+    in_range.push_back(static_cast<std::uint32_t>(i));
+  }
+  Cloud kept = Select(scan, in_range);
+  if (options_.voxel > 0.0) kept = Select(kept, FirstOfEachVoxel(kept, options_.voxel));
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Eigen::Vector3d position = world_from_scan * kept.Position(i) - *offset_;
+    merged_.points.push_back(position.cast<float>());
+  }
+}
+
+}  // namespace planegraph
