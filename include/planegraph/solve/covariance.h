@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planegraph/graph/graph.h"
+#include "planegraph/solve/solver.h"
+
+namespace planegraph {
+
+struct CovarianceOptions {
+  /// A direction of a pose counts as unobserved where the planes alone leave it a sigma above this.
+  double translation_threshold = 0.1;  ///< metres
+  double rotation_threshold = 0.0175;  ///< radians (1 deg)
+};
+
+/// A direction of a pose that the planes do not observe.
+struct UnobservedDirection {
+  Vector6d direction =
+      Vector6d::Zero();  ///< unit; a pure translation or a pure rotation, world axes
+  double sigma = 0.0;    ///< m or rad with everything in the graph; infinity: nothing holds it
+  std::string held_by;   ///< PoseFactor::source that holds it most; empty: none
+};
+
+/// Covariances of a solved graph, relative to what the gauge fixes (SolveOptions and GaugeFixed as
+/// in Solve), by Schur's complement of the planes and a sparse Cholesky factorization. All 6x6
+/// matrices are in the project's convention: order x y z rx ry rz, decoupled left perturbation,
+/// target's (world's) axes, metres and radians. Robust losses enter by their weights at the
+/// solution.
+class GraphCovariance {
+ public:
+  GraphCovariance(const Graph& graph, const SolveOptions& options = {},
+                  const CovarianceOptions& covariance_options = {});
+  ~GraphCovariance();
+
+  /// Covariance of world_from_node; zero for a fixed pose. Rows and columns of axes along which
+  /// nothing holds the pose are NaN.
+  Matrix6d Pose(int pose) const;
+  /// Covariance of target_from_source; NaN as above.
+  Matrix6d Relative(int target, int source) const;
+  /// What the planes leave open at this pose, translations first, the weakest first.
+  std::vector<UnobservedDirection> Unobserved(int pose) const;
+  /// The same for target_from_source, in the target's axes.
+  std::vector<UnobservedDirection> UnobservedRelative(int target, int source) const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace planegraph

@@ -1,0 +1,175 @@
+#include "planegraph/solve/covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "planegraph/geometry/rotation.h"
+#include "solve/pose_system.h"
+
+namespace planegraph {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A quantity of six dimensions, linear in the perturbations of the poses: its derivative (6 x 6
+// poses), and the pose whose scale tells when a variance of it is infinite.
+struct Quantity {
+  MatrixXd by_poses;
+  int scale_pose = 0;
+};
+
+Quantity PoseQuantity(const Graph& graph, int pose) {
+  Quantity quantity{MatrixXd::Zero(6, 6 * graph.poses.size()), pose};
+  quantity.by_poses.middleCols<6>(6 * pose).setIdentity();
+  return quantity;
+}
+
+// target_from_source in the target's axes: x = R_t^T (x_s - x_t - r_t x d), r = R_t^T (r_s - r_t).
+Quantity RelativeQuantity(const Graph& graph, int target, int source) {
+  const Rigid3& a = graph.poses[target].world_from_node;
+  const Rigid3& b = graph.poses[source].world_from_node;
+  const Matrix3d to_target = a.rotation.toRotationMatrix().transpose();
+  Quantity quantity{MatrixXd::Zero(6, 6 * graph.poses.size()), source};
+  Matrix6d by_source = Matrix6d::Zero();
+  by_source.topLeftCorner<3, 3>() = to_target;
+  by_source.bottomRightCorner<3, 3>() = to_target;
+  Matrix6d by_target = -by_source;
+  by_target.topRightCorner<3, 3>() = to_target * Hat(b.translation - a.translation);
+  quantity.by_poses.middleCols<6>(6 * source) += by_source;
+  quantity.by_poses.middleCols<6>(6 * target) += by_target;
+  return quantity;
+}
+
+}  // namespace
+
+class GraphCovariance::Implementation {
+ public:
+  Implementation(const Graph& graph, const SolveOptions& options,
+                 const CovarianceOptions& covariance_options)
+      : graph_(graph), options_(covariance_options) {
+    const LinearizedGraph linear = LinearizeGraph(graph, options);
+    PoseInformation information;
+    for (const auto& plane : linear.planes) {
+      std::vector<const PlaneResidual*> residuals;
+      for (const PlaneResidual& residual : plane) residuals.push_back(&residual);
+      AddPlaneInformation(residuals, 1.0, &information);
+    }
+    planes_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, false));
+    for (const auto& factor : linear.pose_factors) AddPoseFactorInformation(factor, &information);
+    all_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, true));
+    pose_factors_ = linear.pose_factors;
+  }
+
+  const Graph& graph() const { return graph_; }
+
+  Matrix6d Covariance(const Quantity& quantity) const {
+    Matrix6d covariance = Raw(*all_, quantity);
+    for (int k = 0; k < 6; ++k) {
+      if (covariance(k, k) <= Limit(*all_, quantity, k >= 3)) continue;
+      covariance.row(k).setConstant(kNotANumber);
+      covariance.col(k).setConstant(kNotANumber);
+    }
+    return covariance;
+  }
+
+  std::vector<UnobservedDirection> Unobserved(const Quantity& quantity) const {
+    std::vector<UnobservedDirection> found;
+    const Matrix6d by_planes = Raw(*planes_, quantity);
+    for (const bool rotation : {false, true}) {
+      const double threshold =
+          rotation ? options_.rotation_threshold : options_.translation_threshold;
+      const int first = rotation ? 3 : 0;
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(
+          Matrix3d(by_planes.block<3, 3>(first, first)));
+      for (int k = 2; k >= 0; --k) {
+        if (solver.eigenvalues()[k] <= threshold * threshold) break;
+        Vector6d direction = Vector6d::Zero();
+        direction.segment<3>(first) = solver.eigenvectors().col(k);
+        found.push_back(Describe(quantity, direction, rotation));
+      }
+    }
+    return found;
+  }
+
+ private:
+  static Matrix6d Raw(const PoseSystem& system, const Quantity& quantity) {
+    const Matrix6d covariance = quantity.by_poses * system.Solve(quantity.by_poses.transpose());
+    return 0.5 * (covariance + covariance.transpose());
+  }
+
+  static double Limit(const PoseSystem& system, const Quantity& quantity, bool rotation) {
+    return system.InfiniteVariance(quantity.scale_pose, rotation);
+  }
+
+  UnobservedDirection Describe(const Quantity& quantity, Vector6d direction, bool rotation) const {
+    // The sign is free; the largest component is made positive.
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    if (direction[largest] < 0.0) direction = -direction;
+    const Eigen::VectorXd gradient = quantity.by_poses.transpose() * direction;
+    const Eigen::VectorXd response = all_->Solve(gradient);
+    const double variance = gradient.dot(response);
+    UnobservedDirection result{direction, kInfinity, ""};
+    if (variance > Limit(*all_, quantity, rotation)) return result;
+    result.sigma = std::sqrt(std::max(variance, 0.0));
+    result.held_by = Holder(response);
+    return result;
+  }
+
+  // The variance g^T H^-1 g is x^T H x with x = H^-1 g, and H is the sum of its factors: each has
+  // its share in holding the direction.
+  std::string Holder(const Eigen::VectorXd& response) const {
+    std::map<std::string, double> shares;
+    for (const LinearizedPoseFactor& factor : pose_factors_) {
+      Eigen::VectorXd moved = Eigen::VectorXd::Zero(factor.jacobians[0].rows());
+      for (int k = 0; k < 2 && factor.poses[k] >= 0; ++k) {
+        moved += factor.jacobians[k] * response.segment<6>(6 * factor.poses[k]);
+      }
+      shares[graph_.pose_factors[factor.index].source] += moved.squaredNorm();
+    }
+    std::string holder;
+    double best = 0.0;
+    for (const auto& [source, share] : shares) {
+      if (share > best) holder = source, best = share;
+    }
+    return holder;
+  }
+
+  Graph graph_;
+  CovarianceOptions options_;
+  std::vector<LinearizedPoseFactor> pose_factors_;
+  std::unique_ptr<PoseSystem> planes_, all_;
+};
+
+GraphCovariance::GraphCovariance(const Graph& graph, const SolveOptions& options,
+                                 const CovarianceOptions& covariance_options) {
+  CheckGraph(graph);
+  implementation_ = std::make_unique<Implementation>(graph, options, covariance_options);
+}
+
+GraphCovariance::~GraphCovariance() = default;
+
+Matrix6d GraphCovariance::Pose(int pose) const {
+  return implementation_->Covariance(PoseQuantity(implementation_->graph(), pose));
+}
+
+Matrix6d GraphCovariance::Relative(int target, int source) const {
+  return implementation_->Covariance(RelativeQuantity(implementation_->graph(), target, source));
+}
+
+std::vector<UnobservedDirection> GraphCovariance::Unobserved(int pose) const {
+  return implementation_->Unobserved(PoseQuantity(implementation_->graph(), pose));
+}
+
+std::vector<UnobservedDirection> GraphCovariance::UnobservedRelative(int target, int source) const {
+  return implementation_->Unobserved(RelativeQuantity(implementation_->graph(), target, source));
+}
+
+}  // namespace planegraph

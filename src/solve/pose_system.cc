@@ -1,0 +1,80 @@
+#include "solve/pose_system.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace planegraph {
+namespace {
+
+// Rounding leaves about 1e-15 in a null direction of the scaled information.
+constexpr double kRidge = 1e-12;
+// Scaled variance of a direction that counts as not observed: its sigma is 3e4 times what the
+// scan's own planes would give with all other poses held.
+constexpr double kInfinite = 1e9;
+
+double UnitScale(double trace) { return trace > 0.0 ? 1.0 / std::sqrt(trace / 3.0) : 1.0; }
+
+}  // namespace
+
+PoseSystem::PoseSystem(const PoseInformation& information, const std::vector<bool>& fixed)
+    : place_(fixed.size(), -1) {
+  int free = 0;
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (!fixed[i]) place_[i] = free++;
+  }
+  scale_.setOnes(6 * free);
+  SetScale(information);
+  if (free > 0) Factorize(information);
+}
+
+void PoseSystem::SetScale(const PoseInformation& information) {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] < 0) continue;
+    const Vector6d diagonal = information.Diagonal(static_cast<int>(i)).diagonal();
+    scale_.segment<3>(6 * place_[i]).setConstant(UnitScale(diagonal.head<3>().sum()));
+    scale_.segment<3>(6 * place_[i] + 3).setConstant(UnitScale(diagonal.tail<3>().sum()));
+  }
+}
+
+void PoseSystem::Factorize(const PoseInformation& information) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  triplets.reserve(36 * information.blocks().size() + scale_.size());
+  for (const auto& [key, block] : information.blocks()) {
+    const int row = 6 * place_[key.first], column = 6 * place_[key.second];
+    if (row < 0 || column < 0) continue;
+    for (int a = 0; a < 6; ++a) {
+      for (int b = key.first == key.second ? a : 0; b < 6; ++b) {
+        // The lower half, which is what the factorization reads; places keep the poses' order.
+        triplets.emplace_back(column + b, row + a,
+                              scale_[row + a] * block(a, b) * scale_[column + b]);
+      }
+    }
+  }
+  for (int k = 0; k < scale_.size(); ++k) triplets.emplace_back(k, k, kRidge);
+  Eigen::SparseMatrix<double> matrix(scale_.size(), scale_.size());
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  cholesky_.compute(matrix);
+  if (cholesky_.info() != Eigen::Success) throw std::runtime_error("information is not positive");
+}
+
+Eigen::MatrixXd PoseSystem::Solve(const Eigen::MatrixXd& rhs) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows(), rhs.cols());
+  if (scale_.size() == 0) return result;
+  Eigen::MatrixXd reduced(scale_.size(), rhs.cols());
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] >= 0) reduced.middleRows<6>(6 * place_[i]) = rhs.middleRows<6>(6 * i);
+  }
+  reduced = scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * reduced).eval();
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] >= 0) result.middleRows<6>(6 * i) = reduced.middleRows<6>(6 * place_[i]);
+  }
+  return result;
+}
+
+double PoseSystem::InfiniteVariance(int pose, bool rotation) const {
+  if (place_[pose] < 0) return INFINITY;
+  const double scale = scale_[6 * place_[pose] + (rotation ? 3 : 0)];
+  return kInfinite * scale * scale;
+}
+
+}  // namespace planegraph
