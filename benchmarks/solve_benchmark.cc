@@ -8,8 +8,9 @@
 namespace planegraph {
 namespace {
 
-// Observations per plane stay near 4, as in a walk through a site: a plane is seen by the poses of
-// a window.
+// About 4 observations per plane, by random poses: every pair of poses shares planes, so that the
+// reduced system of the poses is dense. That is the hardest case; in a walk through a site it is
+// sparse.
 Graph Site(int poses, int planes) {
   PlaneWorld world({.poses = poses, .planes = planes, .seen_share = 4.0 / poses, .noise = 1.0});
   return world.Disturbed(0.03, 0.01);
