@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "io/file_bytes.h"
+#include "io/g2o_parser.h"
 #include "io/text_scanner.h"
 #include "io/trajectory_formats.h"
 #include "planegraph/base/atomic_file.h"
@@ -61,6 +62,20 @@ std::vector<std::string> FilesEndingIn(const std::string& folder, const std::str
   return files;
 }
 
+// The first line that is neither empty nor a comment starts with a tag: capitals and an underscore.
+bool LooksLikeG2o(std::string_view bytes) {
+  LineReader lines(bytes);
+  std::string_view line;
+  while (lines.Next(&line)) {
+    line = Trim(line);
+    if (line.empty() || line.front() == '#') continue;
+    const std::string_view tag = line.substr(0, line.find_first_of(" \t"));
+    const bool capitals = tag.find_first_of("abcdefghijklmnopqrstuvwxyz,.") == tag.npos;
+    return tag == "FIX" || (capitals && tag.find('_') != tag.npos);
+  }
+  return false;
+}
+
 Trajectory Read3dtkFolder(const std::string& folder) {
   auto files = FilesEndingIn(folder, ".frames");
   const bool frames = !files.empty();
@@ -113,7 +128,9 @@ Trajectory ParseTrajectory(std::string_view bytes, const std::string& file) {
 Trajectory ReadTrajectory(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return Read3dtkFolder(path);
-  return ParseTrajectory(FileBytes(path).view(), path);
+  const FileBytes file(path);
+  if (LooksLikeG2o(file.view())) return TrajectoryOf(ParseG2o(file.view(), path));
+  return ParseTrajectory(file.view(), path);
 }
 
 void WriteTum(const std::string& path, const Trajectory& trajectory) {

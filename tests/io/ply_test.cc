@@ -102,7 +102,8 @@ TEST(Ply, StatedOffsetIsAdded) {
 TEST(Ply, FacesBeforeAndAfterTheVertices) {
   const std::string face = "element face 2\nproperty list uchar int vertex_indices\n";
   const std::string vertex = std::string("element vertex 2\n") + kXyz;
-  const std::string faces = Bytes<char>(3) + Triple<std::int32_t>(0, 1, 0) + Bytes<char>(1) + Bytes<std::int32_t>(1);
+  const std::string faces =
+      Bytes<char>(3) + Triple<std::int32_t>(0, 1, 0) + Bytes<char>(1) + Bytes<std::int32_t>(1);
   const std::string points = Triple(1.f, 2.f, 3.f) + Triple(4.f, 5.f, 6.f);
   const std::string binary = "binary_little_endian";
   for (const std::string& bytes :

@@ -22,7 +22,7 @@ struct Trajectory {
 
 /// Reads TUM (8 columns, quaternions normalized), KITTI (12 columns; a matrix that is not quite
 /// orthonormal becomes the nearest rotation) or a folder of 3DTK .frames files (else .pose files,
-/// in name order), told apart by the content. Throws InputError.
+/// in name order), or the vertices of a g2o file, told apart by the content. Throws InputError.
 Trajectory ReadTrajectory(const std::string& path);
 
 /// Writes TUM, full precision, atomically.
