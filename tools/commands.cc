@@ -3,15 +3,17 @@
 namespace planegraph::tools {
 
 // One line declares and one lists a command; each is defined in tools/NAME.cc.
+Command ConvertCommand();
 Command EvaluateCommand();
-Command SimulateCommand();
 Command FactorsCommand();
+Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
       EvaluateCommand(),
       SimulateCommand(),
       FactorsCommand(),
+      ConvertCommand(),
   };
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <stdexcept>
 
 #include "io/cloud_formats.h"
 #include "io/text_scanner.h"
@@ -159,19 +161,36 @@ void WriteXyz(AtomicFile* file, const Cloud& cloud, const std::vector<IntPropert
   });
 }
 
+// 3DTK's text: left-handed centimetres (x right, y up, z forward). It has no place for an offset.
+void Write3dtk(AtomicFile* file, const Cloud& cloud,
+               const std::vector<IntProperty>& /*properties*/) {
+  WriteBlocks(file, cloud.size(), [&](std::string* block, std::size_t i) {
+    const Eigen::Vector3d p = 100.0 * cloud.Position(i);
+    AppendNumber(block, -p.y());
+    AppendField(block, p.z());
+    AppendField(block, p.x());
+    if (!cloud.intensities.empty()) AppendField(block, cloud.intensities[i]);
+    *block += '\n';
+  });
+}
+
 }  // namespace
 
 void WriteCloud(const std::string& path, const Cloud& cloud,
                 const std::vector<IntProperty>& properties) {
   CheckLengths(path, cloud, properties);
   const std::string ending = ToLower(std::filesystem::path(path).extension().string());
-  const auto write = ending == ".ply"                       ? WritePly
-                     : ending == ".pcd"                     ? WritePcd
-                     : ending == ".xyz" || ending == ".txt" ? WriteXyz
-                                                            : nullptr;
-  if (!write) throw InputError::InFile(path, "clouds are written as .ply, .pcd, .xyz or .txt");
+  static const std::map<std::string, decltype(&WritePly)> kWriters = {{".ply", WritePly},
+                                                                      {".pcd", WritePcd},
+                                                                      {".xyz", WriteXyz},
+                                                                      {".txt", WriteXyz},
+                                                                      {".3d", Write3dtk}};
+  const auto writer = kWriters.find(ending);
+  if (writer == kWriters.end()) {
+    throw InputError::InFile(path, "clouds are written as .ply, .pcd, .xyz, .txt or .3d");
+  }
   AtomicFile file(path);
-  write(&file, cloud, properties);
+  writer->second(&file, cloud, properties);
   file.Commit();
 }
 

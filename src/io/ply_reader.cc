@@ -197,6 +197,7 @@ Cloud ParseAscii(std::string_view bytes, const PlyHeader& header, const PlyEleme
 Cloud ParsePly(std::string_view bytes, const std::string& file) {
   const PlyHeader header = ParsePlyHeader(bytes, file);
   const PlyElement& vertex = FindVertices(header, file);
+  if (vertex.count == 0) return Cloud();
   Cloud cloud = header.encoding == PlyEncoding::kAscii ? ParseAscii(bytes, header, vertex, file)
                                                        : ParseBinary(bytes, header, vertex, file);
   if (header.viewpoint) cloud.viewpoint = *header.viewpoint;

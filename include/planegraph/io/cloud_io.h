@@ -19,9 +19,11 @@ struct IntProperty {
   std::vector<std::int32_t> values;
 };
 
-/// Writes a cloud by the ending of `path` (.ply binary little endian, .pcd binary, .xyz text),
-/// atomically. The offset is written as the comment `offset X Y Z` and the points as floats beside
-/// it. Throws InputError.
+/// Writes a cloud by the ending of `path` (.ply binary little endian, .pcd binary, .xyz and .txt
+/// text with the names of the columns, .3d 3DTK text), atomically. The offset is written as the
+/// comment `offset X Y Z` and the points as floats beside it, so all but .3d read back bit for bit;
+/// .3d holds whole positions and intensities alone. Throws InputError; std::invalid_argument where
+/// the attributes' lengths differ.
 void WriteCloud(const std::string& path, const Cloud& cloud,
                 const std::vector<IntProperty>& properties = {});
 

@@ -1,0 +1,125 @@
+#include "planegraph/io/convert.h"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include "io/file_bytes.h"
+#include "io/text_scanner.h"
+#include "planegraph/base/atomic_file.h"
+#include "planegraph/base/error.h"
+#include "planegraph/io/cloud_io.h"
+#include "planegraph/io/g2o_io.h"
+#include "planegraph/io/trajectory_io.h"
+
+namespace planegraph {
+namespace {
+
+enum class Kind { kCloud, kTrajectory, kEither, kUnknown };
+
+std::string EndingOf(const std::string& path) {
+  return ToLower(std::filesystem::path(path).extension().string());
+}
+
+bool IsFolderName(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  return path.back() == '/' || ending.empty() || ending == ".frames" ||
+         std::filesystem::is_directory(path);
+}
+
+Kind KindOfEnding(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  for (const char* cloud : {".ply", ".pcd", ".xyz", ".3d", ".pts", ".asc"}) {
+    if (ending == cloud) return Kind::kCloud;
+  }
+  for (const char* trajectory : {".tum", ".kitti", ".g2o"}) {
+    if (ending == trajectory) return Kind::kTrajectory;
+  }
+  return ending == ".txt" || ending == ".csv" ? Kind::kEither : Kind::kUnknown;
+}
+
+// A text file of 8 or 12 columns without names is a trajectory.
+Kind KindOfContent(const std::string& path) {
+  const FileBytes file(path);
+  LineReader lines(file.view());
+  std::string_view line;
+  while (lines.Next(&line)) {
+    line = Trim(line);
+    if (line.empty() || line.front() == '#') continue;
+    const auto fields = SplitFields(line, SeparatorOf(line));
+    double number = 0.0;
+    const bool pose = fields.size() == 8 || fields.size() == 12;
+    return pose && ParseNumber(fields[0], &number) ? Kind::kTrajectory : Kind::kCloud;
+  }
+  return Kind::kCloud;
+}
+
+Kind KindOfInput(const std::string& path) {
+  if (std::filesystem::is_directory(path)) return Kind::kTrajectory;
+  const Kind kind = KindOfEnding(path);
+  return kind == Kind::kEither || kind == Kind::kUnknown ? KindOfContent(path) : kind;
+}
+
+Kind KindOfOutput(const std::string& input, const std::string& output) {
+  if (IsFolderName(output)) return Kind::kTrajectory;
+  const Kind kind = KindOfEnding(output);
+  if (kind == Kind::kEither) return KindOfInput(input);
+  if (kind == Kind::kUnknown)
+    throw InputError::InFile(output, "has no ending that says its format");
+  const Kind given = KindOfEnding(input);  // .txt may hold either: then the output decides
+  if ((given == Kind::kCloud || given == Kind::kTrajectory) && given != kind) {
+    throw InputError::InFile(output, "a cloud does not become a trajectory, nor the reverse");
+  }
+  return kind;
+}
+
+void WriteFramesFolder(const std::string& folder, const Trajectory& trajectory) {
+  CreateFolder(folder);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    std::array<char, 40> name{};
+    std::snprintf(name.data(), name.size(), "scan%03zu.frames", i);
+    Write3dtkFrames((std::filesystem::path(folder) / name.data()).string(), trajectory.poses[i]);
+  }
+}
+
+void WriteVertices(const std::string& path, const Trajectory& trajectory) {
+  G2oGraph graph;
+  for (const Rigid3& pose : trajectory.poses) {
+    graph.vertices3.push_back({static_cast<long long>(graph.vertices3.size()), pose});
+  }
+  WriteG2o(path, graph);
+}
+
+void WriteTrajectory(const std::string& path, const Trajectory& trajectory) {
+  const std::string ending = EndingOf(path);
+  if (IsFolderName(path)) {
+    WriteFramesFolder(path, trajectory);
+  } else if (ending == ".kitti") {
+    WriteKitti(path, trajectory);
+  } else if (ending == ".g2o") {
+    WriteVertices(path, trajectory);
+  } else {
+    WriteTum(path, trajectory);
+  }
+}
+
+}  // namespace
+
+Conversion ConvertFile(const std::string& input, const std::string& output) {
+  if (output.empty()) throw InputError::InFile(output, "an output without a name");
+  if (EndingOf(input) == ".g2o" && EndingOf(output) == ".g2o") {
+    const G2oGraph graph = ReadG2o(input);
+    WriteG2o(output, graph);
+    return {"graph", graph.vertices3.size() + graph.vertices2.size()};
+  }
+  if (KindOfOutput(input, output) == Kind::kCloud) {
+    const Cloud cloud = ReadCloud(input);
+    WriteCloud(output, cloud);
+    return {"cloud", cloud.size()};
+  }
+  const Trajectory trajectory = ReadTrajectory(input);
+  WriteTrajectory(output, trajectory);
+  return {"trajectory", trajectory.size()};
+}
+
+}  // namespace planegraph

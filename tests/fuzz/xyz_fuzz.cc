@@ -1,0 +1,8 @@
+#include "fuzz/fuzz_reader.h"
+#include "io/cloud_formats.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace planegraph;
+  return FuzzReader(data, size,
+                    [](std::string_view bytes) { CheckCloud(ParseXyz(bytes, "fuzz")); });
+}

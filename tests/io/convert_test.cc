@@ -1,0 +1,70 @@
+#include "planegraph/io/convert.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "io/test_files.h"
+#include "planegraph/io/cloud_io.h"
+#include "planegraph/io/g2o_io.h"
+#include "planegraph/io/trajectory_io.h"
+
+namespace planegraph {
+namespace {
+
+class Convert : public TestFolder {
+ protected:
+  Convert() {
+    Write("a.xyz", "1 2 3\n4 5 6\n");
+    Write("a.tum", "0.5 1 2 3 0 0 0 1\n1.5 4 5 6 0 0 1 0\n");
+  }
+};
+
+TEST_F(Convert, CloudsThroughEveryFormat) {
+  std::string before = Path("a.xyz");
+  for (const char* name : {"b.ply", "b.pcd", "b.3d", "b.txt", "c.ply"}) {
+    const Conversion conversion = ConvertFile(before, Path(name));
+    EXPECT_EQ(conversion.kind, "cloud") << name;
+    EXPECT_EQ(conversion.count, 2u);
+    before = Path(name);
+  }
+  const Cloud cloud = ReadCloud(before);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(cloud.points[1], Eigen::Vector3f(4, 5, 6));
+}
+
+TEST_F(Convert, TrajectoriesThroughEveryFormat) {
+  std::string before = Path("a.tum");
+  for (const char* name : {"b.txt", "b.g2o", "b.kitti", "folder/", "other", "x.frames", "c.tum"}) {
+    const Conversion conversion = ConvertFile(before, Path(name));
+    EXPECT_EQ(conversion.kind, "trajectory") << name;
+    EXPECT_EQ(conversion.count, 2u);
+    before = Path(name);
+  }
+  EXPECT_TRUE(std::filesystem::exists(Path("folder/scan001.frames")));
+  const Trajectory t = ReadTrajectory(before);
+  EXPECT_LE((t.poses[1].translation - Eigen::Vector3d(4, 5, 6)).norm(), 1e-12);
+  EXPECT_NEAR(std::abs(t.poses[1].rotation.z()), 1.0, 1e-12);
+  EXPECT_EQ(t.times[1], 1.0);  // formats without times were on the way
+  EXPECT_EQ(ReadTrajectory(Path("b.txt")).times[1], 1.5);
+}
+
+TEST_F(Convert, GraphsKeepTheirEdges) {
+  Write("a.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  EXPECT_EQ(ConvertFile(Path("a.g2o"), Path("b.g2o")).kind, "graph");
+  EXPECT_EQ(ReadG2o(Path("b.g2o")).edges2.size(), 1u);
+}
+
+TEST_F(Convert, WrongPairsAreInputErrors) {
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.tum")), InputError);
+  EXPECT_THROW(ConvertFile(Path("a.tum"), Path("b.ply")), InputError);
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.docx")), InputError);
+  EXPECT_THROW(ConvertFile(Path("none.xyz"), Path("b.ply")), InputError);
+  EXPECT_THROW(ConvertFile(Path("none.txt"), Path("b.txt")), InputError);
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), ""), InputError);
+  EXPECT_FALSE(std::filesystem::exists(Path("b.ply")));
+}
+
+}  // namespace
+}  // namespace planegraph
