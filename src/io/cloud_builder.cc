@@ -51,7 +51,7 @@ void CloudBuilder::AddLine(std::string_view line, const std::string& file, std::
 
 void CloudBuilder::AddSlots(const Slots& slots) {
   Eigen::Vector3d position(At(slots, Role::kX), At(slots, Role::kY), At(slots, Role::kZ));
-  if (!position.allFinite()) return;
+  if (!IsUsable(position)) return;
   if (columns_.is_3dtk) position = Eigen::Vector3d(position.z(), -position.x(), position.y()) / 100;
   AddPosition(position);
   if (has_.normal) {

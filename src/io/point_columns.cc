@@ -287,9 +287,15 @@ Cloud AssembleCloud(const PointColumns& source) {
   return WithoutNonFinite(std::move(cloud));
 }
 
+bool IsUsable(const Eigen::Vector3d& position) {
+  constexpr double kFarthest = 1e30;
+  return position.allFinite() && position.cwiseAbs().maxCoeff() < kFarthest;
+}
+
 bool IsLarge(const Eigen::Vector3d& position) {
-  constexpr double kLarge = 1e4;
-  return position.cwiseAbs().maxCoeff() > kLarge;
+  constexpr double kLarge = 1e4, kUnreasonable = 1e12;
+  const double largest = position.cwiseAbs().maxCoeff();
+  return largest > kLarge && largest < kUnreasonable;
 }
 
 std::array<std::uint8_t, 3> UnpackColor(std::uint32_t packed) {

@@ -74,7 +74,10 @@ struct PointColumns {
 /// The cloud of those columns, without its points that are not finite.
 Cloud AssembleCloud(const PointColumns& source);
 
-/// True where the coordinates are too large for a float (more than 10 km).
+/// True where a point can be kept: finite, and a float holds it (less than 1e30 m).
+bool IsUsable(const Eigen::Vector3d& position);
+/// True where the coordinates call for an offset: more than 10 km; not where they are beyond all
+/// reason (1e12 m), so that a stray value does not cost the others their digits.
 bool IsLarge(const Eigen::Vector3d& position);
 /// Splits 0xRRGGBB.
 std::array<std::uint8_t, 3> UnpackColor(std::uint32_t packed);

@@ -67,6 +67,15 @@ TEST(Xyz, NonFiniteRowsAreDropped) {
   EXPECT_EQ(cloud.points[1], Eigen::Vector3f(0, 0, 0));
 }
 
+// Found by fuzzing: a finite number that no float holds, and one that would spoil the offset.
+TEST(Xyz, AbsurdNumbersDoNotSpoilTheRest) {
+  const Cloud cloud = ParseXyz("1 2 3\n5e51 0 0\n1e20 0 0\n393123 5707456 113\n", "f");
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.offset, Eigen::Vector3d(393123, 5707456, 113));
+  for (const auto& point : cloud.points) EXPECT_TRUE(point.allFinite());
+  EXPECT_EQ(cloud.points[2], Eigen::Vector3f(0, 0, 0));
+}
+
 TEST(Xyz, BadLinesAreNamed) {
   EXPECT_THAT(ErrorOf("hello world\n"), HasSubstr("f.txt:1:"));
   EXPECT_THAT(ErrorOf("1 2 3\n4 5\n"), HasSubstr("f.txt:2: column 3 is missing"));
