@@ -56,7 +56,7 @@ UnobservedDirection MakeOpen(int first, const Eigen::Vector3d& axis, double sigm
   UnobservedDirection open;
   open.direction.setZero();
   open.direction.segment<3>(first) = axis;
-  open.sigma = sigma > kInfinite ? std::numeric_limits<double>::quiet_NaN() : sigma;
+  open.sigma = sigma > kInfinite ? std::numeric_limits<double>::infinity() : sigma;
   return open;
 }
 

@@ -5,19 +5,12 @@
 #include <vector>
 
 #include "planegraph/registration/refinement.h"
+#include "planegraph/registration/unobserved_direction.h"
 
 namespace planegraph {
 
 enum class RegistrationStatus { kOk, kDegenerate, kAmbiguous, kFailed };
 const char* ToString(RegistrationStatus status);
-
-/// A direction of motion that the planes leave open: a pure translation (metres) or a pure rotation
-/// (radians), in the target's axes.
-struct UnobservedDirection {
-  Eigen::Matrix<double, 6, 1> direction;  ///< unit; x y z rx ry rz
-  double sigma = 0.0;                     ///< standard deviation along it; NaN: infinite
-  std::string held_by;                    ///< odometry, icp, prior, or empty
-};
 
 struct RegistrationOptions {
   HypothesisOptions hypotheses;

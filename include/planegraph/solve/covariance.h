@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planegraph/graph/graph.h"
+#include "planegraph/registration/unobserved_direction.h"
 #include "planegraph/solve/solver.h"
 
 namespace planegraph {
@@ -13,14 +14,6 @@ struct CovarianceOptions {
   /// A direction of a pose counts as unobserved where the planes alone leave it a sigma above this.
   double translation_threshold = 0.1;  ///< metres
   double rotation_threshold = 0.0175;  ///< radians (1 deg)
-};
-
-/// A direction of a pose that the planes do not observe.
-struct UnobservedDirection {
-  Vector6d direction =
-      Vector6d::Zero();  ///< unit; a pure translation or a pure rotation, world axes
-  double sigma = 0.0;    ///< m or rad with everything in the graph; infinity: nothing holds it
-  std::string held_by;   ///< PoseFactor::source that holds it most; empty: none
 };
 
 /// Covariances of a solved graph, relative to what the gauge fixes (SolveOptions and GaugeFixed as

@@ -1,0 +1,218 @@
+#include "planegraph/solve/association.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+
+namespace planegraph {
+namespace {
+
+// A patch of one scan in the world.
+struct WorldPatch {
+  Eigen::Vector3d mean, normal;
+  double quality;  ///< seeds go from the largest spread of points to the smallest
+  std::int32_t scan, index;
+};
+
+// Buckets of patches by the cell that their mean lies in.
+class Buckets {
+ public:
+  Buckets(const std::vector<WorldPatch>& patches, double cell) : cell_(cell) {
+    std::uint64_t slots = 64;
+    while (slots < patches.size()) slots *= 2;
+    mask_ = slots - 1;
+    starts_.assign(slots + 1, 0);
+    for (const auto& p : patches) ++starts_[Slot(CellOf(p.mean)) + 1];
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    items_.resize(patches.size());
+    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
+    for (std::uint32_t i = 0; i < patches.size(); ++i) {
+      items_[next[Slot(CellOf(patches[i].mean))]++] = i;
+    }
+  }
+
+  // Calls visit(i) for the patches in the 27 cells about a point; some lie farther off, and one may
+  // be visited twice where two cells share a slot.
+  template <typename Visit>
+  void Around(const Eigen::Vector3d& point, Visit visit) const {
+    const Eigen::Vector3i at = CellOf(point);
+    for (int k = 0; k < 27; ++k) {
+      const std::uint64_t slot = Slot(at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+      for (std::uint32_t i = starts_[slot]; i < starts_[slot + 1]; ++i) visit(items_[i]);
+    }
+  }
+
+ private:
+  Eigen::Vector3i CellOf(const Eigen::Vector3d& p) const {
+    return (p / cell_).array().floor().cast<int>();
+  }
+  std::uint64_t Slot(const Eigen::Vector3i& c) const {
+    std::uint64_t h = static_cast<std::uint32_t>(c.x()) * 0x9e3779b97f4a7c15ull;
+    h ^= static_cast<std::uint32_t>(c.y()) * 0xc2b2ae3d27d4eb4full;
+    h ^= static_cast<std::uint32_t>(c.z()) * 0x165667b19e3779f9ull;
+    return (h ^ (h >> 32)) & mask_;
+  }
+
+  double cell_;
+  std::uint64_t mask_ = 0;
+  std::vector<std::uint32_t> starts_, items_;
+};
+
+class Associator {
+ public:
+  Associator(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
+             const AssociationOptions& options);
+  std::vector<PlaneLandmark> Run();
+
+ private:
+  const Patch& PatchOf(const WorldPatch& w) const { return scans_[w.scan]->patches[w.index]; }
+  double IndependentPoints(const Patch& patch) const;
+  std::vector<std::uint32_t> Collect(const Eigen::Vector3d& centre, const Plane& plane) const;
+  Plane FitPlane(const std::vector<std::uint32_t>& members) const;
+  bool SeveralScans(const std::vector<std::uint32_t>& members) const;
+  PlaneObservation Observe(const std::vector<std::uint32_t>& members, std::size_t first,
+                           std::size_t last) const;
+  PlaneLandmark MakeLandmark(std::vector<std::uint32_t> members, const Plane& plane) const;
+
+  const std::vector<const PlaneSet*>& scans_;
+  const std::vector<Rigid3>& poses_;
+  const AssociationOptions& options_;
+  std::vector<WorldPatch> patches_;
+  std::vector<std::uint8_t> taken_;
+  mutable std::vector<std::uint32_t> stamp_;
+  mutable std::uint32_t epoch_ = 0;
+  std::unique_ptr<Buckets> buckets_;
+};
+
+Associator::Associator(const std::vector<const PlaneSet*>& scans,
+                       const std::vector<Rigid3>& poses, const AssociationOptions& options)
+    : scans_(scans), poses_(poses), options_(options) {
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    for (std::size_t i = 0; i < scans[s]->patches.size(); ++i) {
+      const Patch& patch = scans[s]->patches[i];
+      patches_.push_back({poses[s] * patch.moments.mean, poses[s].rotation * patch.normal,
+                          patch.size * std::sqrt(patch.moments.count),
+                          static_cast<std::int32_t>(s), static_cast<std::int32_t>(i)});
+    }
+  }
+  std::stable_sort(patches_.begin(), patches_.end(),
+                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
+  taken_.assign(patches_.size(), 0);
+  stamp_.assign(patches_.size(), 0);
+  buckets_ = std::make_unique<Buckets>(patches_, options.radius);
+}
+
+double Associator::IndependentPoints(const Patch& patch) const {
+  const double cells = patch.size / options_.correlation_length;
+  return std::clamp(cells * cells, 1.0, std::max(1.0, patch.moments.count));
+}
+
+std::vector<std::uint32_t> Associator::Collect(const Eigen::Vector3d& centre,
+                                               const Plane& plane) const {
+  std::vector<std::uint32_t> members;
+  ++epoch_;
+  const double square = options_.radius * options_.radius;
+  buckets_->Around(centre, [&](std::uint32_t i) {
+    const WorldPatch& p = patches_[i];
+    if (taken_[i] || stamp_[i] == epoch_ || (p.mean - centre).squaredNorm() > square) return;
+    if (p.normal.dot(plane.normal) < options_.least_cosine) return;
+    if (std::abs(plane.SignedDistance(p.mean)) > options_.gate) return;
+    stamp_[i] = epoch_;
+    members.push_back(i);
+  });
+  std::sort(members.begin(), members.end());
+  return members;
+}
+
+Plane Associator::FitPlane(const std::vector<std::uint32_t>& members) const {
+  Moments sum;
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+  for (const std::uint32_t i : members) {
+    sum.Merge(Transform(poses_[patches_[i].scan], PatchOf(patches_[i]).moments));
+    facing += patches_[i].normal;
+  }
+  Eigen::Vector3d normal = ComputePrincipalAxes(sum.scatter).vectors.col(0);
+  if (normal.dot(facing) < 0) normal = -normal;
+  return {normal, normal.dot(sum.mean)};
+}
+
+bool Associator::SeveralScans(const std::vector<std::uint32_t>& members) const {
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
+    return patches_[i].scan != patches_[members.front()].scan;
+  });
+}
+
+PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, std::size_t first,
+                                     std::size_t last) const {
+  Moments sum;
+  double independent = 0.0, variance = 0.0;
+  for (std::size_t k = first; k < last; ++k) {
+    const Patch& patch = PatchOf(patches_[members[k]]);
+    sum.Merge(patch.moments);
+    independent += IndependentPoints(patch);
+    variance += patch.moments.count * patch.sigma * patch.sigma;
+  }
+  variance /= sum.count;
+  const PrincipalAxes axes = ComputePrincipalAxes(sum.scatter);
+  PlaneObservation seen;
+  seen.pose = patches_[members[first]].scan;
+  seen.centroid = sum.mean;
+  seen.axes = axes.vectors;
+  seen.eigenvalues = axes.values;
+  seen.point_count = sum.count;
+  const double share = sum.count / independent;
+  const auto weight = [&](double noise, double floor) {
+    return 1.0 / std::sqrt(variance * noise + floor * floor);
+  };
+  seen.tilt_weight_1 = weight(share / std::max(axes.values[1], 1e-12), options_.floor_tilt);
+  seen.tilt_weight_2 = weight(share / std::max(axes.values[2], 1e-12), options_.floor_tilt);
+  seen.offset_weight = weight(1.0 / independent, options_.floor_offset);
+  return seen;
+}
+
+PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
+                                       const Plane& plane) const {
+  std::stable_sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return patches_[a].scan < patches_[b].scan;
+  });
+  PlaneLandmark landmark;
+  for (const std::uint32_t i : members) landmark.anchor += patches_[i].mean;
+  landmark.anchor /= static_cast<double>(members.size());
+  landmark.normal = plane.normal;
+  landmark.offset = plane.distance - plane.normal.dot(landmark.anchor);
+  for (std::size_t first = 0, last = 0; first < members.size(); first = last) {
+    while (last < members.size() && patches_[members[last]].scan == patches_[members[first]].scan) {
+      ++last;
+    }
+    landmark.observations.push_back(Observe(members, first, last));
+  }
+  return landmark;
+}
+
+std::vector<PlaneLandmark> Associator::Run() {
+  std::vector<PlaneLandmark> landmarks;
+  for (std::uint32_t seed = 0; seed < patches_.size(); ++seed) {
+    if (taken_[seed]) continue;
+    const WorldPatch& p = patches_[seed];
+    auto members = Collect(p.mean, {p.normal, p.normal.dot(p.mean)});
+    if (members.empty() || !SeveralScans(members)) continue;
+    const Plane plane = FitPlane(members);
+    members = Collect(p.mean, plane);
+    if (members.empty() || !SeveralScans(members)) continue;
+    for (const std::uint32_t i : members) taken_[i] = 1;
+    landmarks.push_back(MakeLandmark(std::move(members), plane));
+  }
+  return landmarks;
+}
+
+}  // namespace
+
+std::vector<PlaneLandmark> AssociatePatches(const std::vector<const PlaneSet*>& scans,
+                                            const std::vector<Rigid3>& world_from_scan,
+                                            const AssociationOptions& options) {
+  return Associator(scans, world_from_scan, options).Run();
+}
+
+}  // namespace planegraph
