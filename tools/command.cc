@@ -17,6 +17,9 @@ DEFINE_bool(quiet, false, "print nothing but errors");
 DEFINE_int32(log_level, 1, "least severity logged: 0 info, 1 warning, 2 error");
 DEFINE_string(output, "", "file for the result");
 DEFINE_string(output_dir, "", "folder for the results");
+DEFINE_string(format, "auto", "of the clouds: auto, ply, pcd, xyz, 3dtk");
+DEFINE_double(min_range, 0.5,
+              "points of a scan nearer to the scanner than this are dropped, metres");
 
 namespace planegraph::tools {
 namespace {

@@ -6,14 +6,14 @@ namespace planegraph::tools {
 Command ConvertCommand();
 Command EvaluateCommand();
 Command FactorsCommand();
+Command RegisterCommand();
+Command SegmentCommand();
 Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
-      EvaluateCommand(),
-      SimulateCommand(),
-      FactorsCommand(),
-      ConvertCommand(),
+      SegmentCommand(),  RegisterCommand(), EvaluateCommand(),
+      SimulateCommand(), FactorsCommand(),  ConvertCommand(),
   };
 }
 

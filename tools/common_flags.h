@@ -11,3 +11,5 @@ DECLARE_int32(log_level);
 // Flags that several commands take.
 DECLARE_string(output);
 DECLARE_string(output_dir);
+DECLARE_string(format);
+DECLARE_double(min_range);

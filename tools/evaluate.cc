@@ -26,7 +26,6 @@ DEFINE_string(pairs_from, "reference", "whose path counts the metres: reference,
 DEFINE_double(max_time_difference, 0.01, "of two poses that belong together, seconds");
 DEFINE_string(map, "", "cloud whose sharpness is asked for");
 DEFINE_string(scans, "", "raw scans (a glob in name order, or a folder) to lay under --estimate");
-DEFINE_string(format, "auto", "of the clouds: auto, ply, pcd, xyz, 3dtk");
 DEFINE_double(radius, 0.3, "of the neighbourhoods for MME, MPV and thickness, metres");
 DEFINE_double(voxel, 0.0,
               "thins each scan (or the map) to one point per voxel of this edge; 0: none");
@@ -35,7 +34,6 @@ DEFINE_uint64(min_neighbours, 15, "least points of a neighbourhood (mode clean)"
 DEFINE_string(mode, "clean",
               "clean: leave failed neighbourhoods out; tool: count as Razlaw's tool");
 DEFINE_bool(mpv, true, "compute MPV, which takes most of the time");
-DEFINE_double(min_range, 0.5, "points of scans nearer to the scanner are dropped, metres");
 DEFINE_double(max_range, 0.0, "points of scans farther from the scanner are dropped; 0: none");
 
 namespace planegraph::tools {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace planegraph {
 
@@ -26,8 +27,8 @@ int RangeImage::Pixel(const Eigen::Vector3f& d) {
 
 RangeImage::RangeImage(const Cloud& cloud)
     : viewpoint_(cloud.viewpoint - cloud.offset),
-      nearest_(6 * kEdge * kEdge, std::numeric_limits<float>::infinity()),
-      farthest_(6 * kEdge * kEdge, 0.0f) {
+      nearest_(kPixels, std::numeric_limits<float>::infinity()),
+      farthest_(kPixels, 0.0f) {
   const Eigen::Vector3f centre = viewpoint_.cast<float>();
   for (const auto& p : cloud.points) {
     const Eigen::Vector3f beam = p - centre;
@@ -37,6 +38,10 @@ RangeImage::RangeImage(const Cloud& cloud)
     farthest_[pixel] = std::max(farthest_[pixel], range);
   }
 }
+
+RangeImage::RangeImage(const Eigen::Vector3d& viewpoint, std::vector<float> nearest,
+                       std::vector<float> farthest)
+    : viewpoint_(viewpoint), nearest_(std::move(nearest)), farthest_(std::move(farthest)) {}
 
 RangeImage::Space RangeImage::Classify(const Eigen::Vector3d& point, double margin) const {
   if (nearest_.empty()) return Space::kUnseen;
