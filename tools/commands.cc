@@ -6,12 +6,14 @@ namespace planegraph::tools {
 Command ConvertCommand();
 Command EvaluateCommand();
 Command FactorsCommand();
+Command MapCommand();
 Command RegisterCommand();
 Command SegmentCommand();
 Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
+      MapCommand(),
       SegmentCommand(),  RegisterCommand(), EvaluateCommand(),
       SimulateCommand(), FactorsCommand(),  ConvertCommand(),
   };

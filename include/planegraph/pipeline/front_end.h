@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planegraph/pipeline/site.h"
+#include "planegraph/segmentation/segmenter.h"
+
+namespace planegraph {
+
+/// One scan after the front end: its planes, not its points.
+struct ScanRecord {
+  std::string id;      ///< ROBOT/NNN
+  std::string file;
+  std::size_t robot = 0, index = 0;
+  double time = 0.0;  ///< of the odometry line; without odometry the index
+  PlaneSet planes;
+  std::vector<std::int32_t> labels;  ///< per filtered point the plane's index, -1: none
+  std::size_t points = 0, points_filtered = 0;
+  double seconds_read = 0, seconds_preprocess = 0, seconds_segment = 0;
+};
+
+/// A scan's points as every later step sees them: read and filtered, the same each time.
+struct LoadedScan {
+  Cloud cloud;
+  std::size_t points = 0;  ///< before the filters
+  double seconds_read = 0, seconds_preprocess = 0;
+};
+LoadedScan LoadScan(const RobotSite& robot, std::size_t index);
+
+/// Reads, filters and segments one scan (steps k and l of the paper). Throws InputError.
+ScanRecord PrepareScan(const Site& site, std::size_t robot, std::size_t index,
+                       const SegmentationOptions& options);
+
+}  // namespace planegraph

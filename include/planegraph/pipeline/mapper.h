@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planegraph/pipeline/pairing.h"
+#include "planegraph/pipeline/site.h"
+#include "planegraph/solve/association.h"
+#include "planegraph/solve/solver.h"
+
+namespace planegraph {
+
+/// Reports a stage and how much of it is done, in [0, 1].
+using Progress = std::function<void(const std::string& stage, double done)>;
+
+struct MapOptions {
+  std::string optimizer = "graph";  ///< graph, metascan, none
+  std::string plane_factor = "moments";
+  LossSpec loss{"cauchy", 2.4};
+  int threads = 0;
+  SegmentationOptions segmentation;
+  RegistrationOptions registration;
+  std::size_t neighbours_per_scan = 4;
+  int most_rounds = 6;          ///< of association and solve
+  double stable = 5e-4;         ///< metres: a round that moves no pose farther is the last
+  Progress progress = [](const std::string&, double) {};
+};
+
+/// What the joint solve left behind.
+struct JointSolution {
+  std::vector<Rigid3> world_from_scan;
+  Graph graph;  ///< with the landmarks of the last round
+  SolveSummary summary;
+  double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
+  int rounds = 0;
+  double seconds = 0.0;
+};
+
+struct StageSeconds {
+  double front_end = 0, pairing = 0, solve = 0, covariance = 0, output = 0;
+};
+
+/// All that `planegraph map` knows at the end.
+struct MapResult {
+  Site site;
+  std::vector<ScanRecord> scans;
+  std::vector<PairRecord> pairs;
+  std::vector<OdometryStep> odometry;
+  JointSolution solution;
+  std::vector<Matrix6d> covariances;  ///< by scan; NaN where infinite
+  std::vector<std::vector<UnobservedDirection>> unobserved;
+  std::vector<int> component;  ///< of each scan: joined by used registrations
+  int components = 0;
+  StageSeconds seconds;
+  std::vector<std::string> warnings;
+};
+
+/// The main job: scans to poses. The steps are those of the paper's figure with the joint graph in
+/// place of the metascan. Throws InputError, UsageError.
+MapResult MapScans(const Site& site, const MapOptions& options);
+
+}  // namespace planegraph

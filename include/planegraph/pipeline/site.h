@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planegraph/geometry/rigid3.h"
+#include "planegraph/io/trajectory_io.h"
+
+namespace planegraph {
+
+/// A start pose in the world frame with its standard deviations.
+struct StartPose {
+  Rigid3 world_from_scan;
+  double sigma_translation = 1.0;  ///< metres, per axis
+  double sigma_rotation = 0.17;    ///< radians, per axis
+};
+
+/// One step of the filter chain, as the site file lists it.
+struct FilterStep {
+  std::string name;
+  std::map<std::string, double> parameters;
+};
+
+/// A robot's scans in order, and what is known of its way.
+struct RobotSite {
+  std::string name;
+  std::vector<std::string> scans;  ///< files
+  std::string format = "auto";
+  std::optional<Trajectory> odometry;  ///< as many poses as scans
+  std::optional<StartPose> start;
+  std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
+  std::vector<FilterStep> filters;
+};
+
+/// A drone map, as the site file names it.
+struct DroneMapSite {
+  std::string name, cloud, cameras, gps, image_times;
+};
+
+/// A site file: what `planegraph map` works on. Paths are absolute or relative to the working folder.
+struct Site {
+  std::string name;
+  std::vector<RobotSite> robots;
+  std::vector<DroneMapSite> maps;
+};
+
+/// Reads SITE.yaml. An unknown key, a missing file, a glob without a match, or odometry of another
+/// length than the scans is an InputError that names the line.
+Site ReadSite(const std::string& path);
+
+}  // namespace planegraph

@@ -1,0 +1,66 @@
+#include "planegraph/pipeline/front_end.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "planegraph/io/cloud_io.h"
+#include "planegraph/pipeline/filters.h"
+
+namespace planegraph {
+namespace {
+
+class Stopwatch {
+ public:
+  double Lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string ScanId(const std::string& robot, std::size_t index) {
+  char number[32];
+  std::snprintf(number, sizeof(number), "/%03zu", index);
+  return robot + number;
+}
+
+}  // namespace
+
+LoadedScan LoadScan(const RobotSite& robot, std::size_t index) {
+  LoadedScan scan;
+  Stopwatch watch;
+  scan.cloud = ReadCloud(robot.scans[index], robot.format);
+  scan.points = scan.cloud.size();
+  scan.seconds_read = watch.Lap();
+  ApplyFilters(robot.filters, &scan.cloud);
+  scan.seconds_preprocess = watch.Lap();
+  return scan;
+}
+
+ScanRecord PrepareScan(const Site& site, std::size_t robot_index, std::size_t index,
+                       const SegmentationOptions& options) {
+  const RobotSite& robot = site.robots[robot_index];
+  const LoadedScan scan = LoadScan(robot, index);
+  ScanRecord record;
+  record.id = ScanId(robot.name, index);
+  record.file = robot.scans[index];
+  record.robot = robot_index;
+  record.index = index;
+  record.time = robot.odometry ? robot.odometry->times[index] : static_cast<double>(index);
+  record.points = scan.points;
+  record.points_filtered = scan.cloud.size();
+  record.seconds_read = scan.seconds_read;
+  record.seconds_preprocess = scan.seconds_preprocess;
+  Stopwatch watch;
+  Segmentation segmentation = SegmentPlanes(scan.cloud, options);
+  record.planes = std::move(segmentation.planes);
+  record.labels = std::move(segmentation.labels);
+  record.seconds_segment = watch.Lap();
+  return record;
+}
+
+}  // namespace planegraph

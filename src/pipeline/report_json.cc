@@ -1,0 +1,187 @@
+#include <sys/resource.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "planegraph/base/error.h"
+#include "planegraph/evaluation/trajectory_error.h"
+#include "planegraph/pipeline/outputs.h"
+
+namespace planegraph {
+namespace {
+
+using Json = nlohmann::json;
+
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <typename Vector>
+Json Array(const Vector& v) {
+  Json array = Json::array();
+  for (int i = 0; i < v.size(); ++i) array.push_back(Number(v[i]));
+  return array;
+}
+
+Json PoseJson(const Rigid3& pose) {
+  return {{"translation", Array(pose.translation)}, {"rotation", Array(pose.rotation.coeffs())}};
+}
+
+Json MatrixJson(const Matrix6d& matrix) {
+  Json rows = Json::array();
+  for (int r = 0; r < 6; ++r) rows.push_back(Array(Eigen::VectorXd(matrix.row(r).transpose())));
+  return rows;
+}
+
+Json UnobservedJson(const std::vector<UnobservedDirection>& unobserved) {
+  Json list = Json::array();
+  for (const auto& open : unobserved) {
+    list.push_back({{"direction", Array(open.direction)},
+                    {"sigma", Number(open.sigma)},
+                    {"held_by", open.held_by.empty() ? Json(nullptr) : Json(open.held_by)}});
+  }
+  return list;
+}
+
+Json ScanJson(const MapResult& result, std::size_t i) {
+  const ScanRecord& scan = result.scans[i];
+  Json json = {{"id", scan.id},
+               {"points", scan.points},
+               {"points_filtered", scan.points_filtered},
+               {"planes", scan.planes.planes.size()},
+               {"patches", scan.planes.patches.size()},
+               {"noise", {{"constant", scan.planes.noise.constant},
+                          {"per_metre", scan.planes.noise.per_metre}}},
+               {"seconds", {{"read", scan.seconds_read},
+                            {"preprocess", scan.seconds_preprocess},
+                            {"segment", scan.seconds_segment}}},
+               {"world_from_scan", PoseJson(result.solution.world_from_scan[i])},
+               {"component", result.component[i]},
+               {"covariance", nullptr},
+               {"unobserved", Json::array()},
+               {"anchored_to", Json::array()}};
+  if (i < result.covariances.size()) json["covariance"] = MatrixJson(result.covariances[i]);
+  if (i < result.unobserved.size()) json["unobserved"] = UnobservedJson(result.unobserved[i]);
+  return json;
+}
+
+Json PairJson(const MapResult& result, const PairRecord& pair) {
+  const Registration& r = pair.registration;
+  return {{"target", result.scans[pair.target].id},
+          {"source", result.scans[pair.source].id},
+          {"kind", "laser-laser"},
+          {"status", ToString(r.status)},
+          {"reason", r.reason},
+          {"correspondences", r.refinement.correspondences.size()},
+          {"surfels", r.refinement.pairs},
+          {"rms", Number(r.refinement.rms)},
+          {"floor", Number(r.refinement.floor)},
+          {"quality", r.quality},
+          {"target_from_source", PoseJson(r.target_from_source())},
+          {"unobserved", UnobservedJson(r.unobserved)},
+          {"seconds", pair.seconds},
+          {"used", pair.used}};
+}
+
+Json SolveJson(const MapResult& result, const MapOptions& options) {
+  const JointSolution& s = result.solution;
+  std::size_t observations = 0;
+  for (const auto& plane : s.graph.planes) observations += plane.observations.size();
+  return {{"optimizer", options.optimizer},
+          {"plane_factor", options.plane_factor},
+          {"loss", options.loss.ToString()},
+          {"initial_cost", s.summary.initial_cost},
+          {"final_cost", s.summary.final_cost},
+          {"iterations", s.summary.iterations},
+          {"rounds", s.rounds},
+          {"converged", s.summary.converged},
+          {"landmarks", s.graph.planes.size()},
+          {"observations", observations},
+          {"floor_offset", s.floor_offset},
+          {"floor_tilt", s.floor_tilt},
+          {"seconds", s.seconds}};
+}
+
+Json StatisticsJson(const Statistics& s) {
+  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median},
+          {"std", s.std},   {"min", s.min},   {"max", s.max}};
+}
+
+Json ErrorsJson(const PoseErrors& errors) {
+  Json json = StatisticsJson(errors.translation);
+  json["rotation"] = StatisticsJson(errors.rotation);
+  json["count"] = errors.count;
+  return json;
+}
+
+Trajectory EstimateOf(const MapResult& result, std::size_t robot, bool has_times) {
+  Trajectory trajectory;
+  trajectory.has_times = has_times;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    if (result.scans[i].robot != robot) continue;
+    trajectory.times.push_back(result.scans[i].time);
+    trajectory.poses.push_back(result.solution.world_from_scan[i]);
+  }
+  return trajectory;
+}
+
+// Alignment on the first pose where the positions do not define another one.
+AteResult AteOrFirst(const PosePairs& pairs) {
+  try {
+    return ComputeAte(pairs, PoseAlignment::kSe3);
+  } catch (const NoResultError&) {
+    return ComputeAte(pairs, PoseAlignment::kFirst);
+  }
+}
+
+Json EvaluationJson(const MapResult& result, std::size_t robot) {
+  const RobotSite& site = result.site.robots[robot];
+  const Trajectory reference = ReadTrajectory(site.reference);
+  const bool by_time = site.odometry && site.odometry->has_times && reference.has_times;
+  const PosePairs pairs = PairPoses(reference, EstimateOf(result, robot, by_time));
+  const AteResult ate = AteOrFirst(pairs);
+  Json json = {{"ate", ErrorsJson(ate.errors)}};
+  json["ate"]["alignment"] = Name(ate.alignment);
+  const RpeResult rpe = ComputeRpe(pairs, {});
+  json["rpe"] = ErrorsJson(rpe.errors);
+  json["rpe"]["delta"] = 1;
+  json["rpe"]["delta_unit"] = "frames";
+  json["rpe"]["pairs"] = "consecutive";
+  json["rpe"]["pairs_from"] = "reference";
+  return json;
+}
+
+std::uint64_t PeakMemoryBytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024u;
+}
+
+}  // namespace
+
+std::string ReportJson(const MapResult& result, const MapOptions& options) {
+  Json report = {{"name", result.site.name},
+                 {"origin", nullptr},
+                 {"scans", Json::array()},
+                 {"registrations", Json::array()},
+                 {"maps", Json::array()},
+                 {"solve", SolveJson(result, options)},
+                 {"evaluation", Json::object()},
+                 {"components", result.components},
+                 {"warnings", result.warnings}};
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    report["scans"].push_back(ScanJson(result, i));
+  }
+  for (const auto& pair : result.pairs) report["registrations"].push_back(PairJson(result, pair));
+  for (std::size_t r = 0; r < result.site.robots.size(); ++r) {
+    if (result.site.robots[r].reference.empty()) continue;
+    report["evaluation"][result.site.robots[r].name] = EvaluationJson(result, r);
+  }
+  report["stage_seconds"] = {{"front_end", result.seconds.front_end},
+                             {"registration", result.seconds.pairing},
+                             {"solve", result.seconds.solve},
+                             {"covariance", result.seconds.covariance},
+                             {"output", result.seconds.output}};
+  report["peak_memory_bytes"] = PeakMemoryBytes();
+  return report.dump(1);
+}
+
+}  // namespace planegraph

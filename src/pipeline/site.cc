@@ -1,0 +1,250 @@
+#include "planegraph/pipeline/site.h"
+
+#include <glob.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numbers>
+#include <set>
+
+#include "planegraph/base/atomic_file.h"
+#include "planegraph/base/error.h"
+
+namespace planegraph {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Reads nodes of one file; every complaint names its line.
+class SiteReader {
+ public:
+  explicit SiteReader(const std::string& path) : path_(path), folder_(fs::path(path).parent_path()) {}
+
+  Site Read();
+
+ private:
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& reason) const {
+    throw InputError::AtLine(path_, static_cast<std::size_t>(node.Mark().line + 1), reason);
+  }
+  YAML::Node Load() const;
+  void AllowKeys(const YAML::Node& map, const std::set<std::string>& keys) const;
+  template <typename T>
+  T Value(const YAML::Node& node, const std::string& what) const;
+  std::string Text(const YAML::Node& map, const std::string& key, const std::string& fallback) const;
+  std::string File(const YAML::Node& map, const std::string& key) const;
+  std::vector<double> Numbers(const YAML::Node& node, std::size_t count,
+                              const std::string& what) const;
+  std::vector<std::string> Scans(const YAML::Node& robot, const std::string& format) const;
+  std::vector<std::string> FilesInFolder(const fs::path& folder, const std::string& format) const;
+  std::optional<Trajectory> Odometry(const YAML::Node& robot, const RobotSite& site) const;
+  StartPose Start(const YAML::Node& node) const;
+  std::vector<FilterStep> Filters(const YAML::Node& node) const;
+  RobotSite Robot(const YAML::Node& node) const;
+  DroneMapSite Map(const YAML::Node& node) const;
+
+  std::string path_;
+  fs::path folder_;
+};
+
+YAML::Node SiteReader::Load() const {
+  const std::string text = ReadTextFile(path_);
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError::AtLine(path_, static_cast<std::size_t>(std::max(error.mark.line, 0) + 1),
+                             "is not valid YAML: " + error.msg);
+  }
+}
+
+void SiteReader::AllowKeys(const YAML::Node& map, const std::set<std::string>& keys) const {
+  if (!map.IsMap()) Fail(map, "expected `key: value` entries");
+  for (const auto& entry : map) {
+    const auto key = entry.first.as<std::string>("");
+    if (keys.count(key)) continue;
+    std::string known;
+    for (const auto& k : keys) known += (known.empty() ? "" : ", ") + k;
+    Fail(entry.first, "unknown key '" + key + "' (known here: " + known + ")");
+  }
+}
+
+template <typename T>
+T SiteReader::Value(const YAML::Node& node, const std::string& what) const {
+  try {
+    return node.as<T>();
+  } catch (const YAML::Exception&) {
+    Fail(node, what + " is not of the right kind");
+  }
+}
+
+std::string SiteReader::Text(const YAML::Node& map, const std::string& key,
+                             const std::string& fallback) const {
+  return map[key] ? Value<std::string>(map[key], key) : fallback;
+}
+
+std::string SiteReader::File(const YAML::Node& map, const std::string& key) const {
+  if (!map[key]) return "";
+  const fs::path file = folder_ / Value<std::string>(map[key], key);
+  if (!fs::exists(file)) Fail(map[key], key + ": there is no " + file.string());
+  return file.string();
+}
+
+std::vector<double> SiteReader::Numbers(const YAML::Node& node, std::size_t count,
+                                        const std::string& what) const {
+  const auto values = Value<std::vector<double>>(node, what);
+  if (values.size() != count) {
+    Fail(node, what + " needs " + std::to_string(count) + " numbers");
+  }
+  return values;
+}
+
+std::vector<std::string> SiteReader::FilesInFolder(const fs::path& folder,
+                                                   const std::string& format) const {
+  static const std::set<std::string> kEndings = {".3d", ".ply", ".pcd", ".xyz", ".txt", ".csv"};
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string ending = entry.path().extension().string();
+    const bool wanted = format == "3dtk" ? ending == ".3d" : kEndings.count(ending) > 0;
+    if (entry.is_regular_file() && wanted) files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::string> SiteReader::Scans(const YAML::Node& robot,
+                                           const std::string& format) const {
+  if (!robot["scans"]) Fail(robot, "a robot needs `scans`: a glob or a folder");
+  const fs::path pattern = folder_ / Value<std::string>(robot["scans"], "scans");
+  std::vector<std::string> files;
+  if (fs::is_directory(pattern)) {
+    files = FilesInFolder(pattern, format);
+  } else {
+    glob_t matches;
+    if (::glob(pattern.c_str(), 0, nullptr, &matches) == 0) {
+      files.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+    }
+    ::globfree(&matches);
+  }
+  if (files.empty()) Fail(robot["scans"], "no scan matches " + pattern.string());
+  return files;
+}
+
+std::optional<Trajectory> SiteReader::Odometry(const YAML::Node& robot,
+                                               const RobotSite& site) const {
+  const std::string file = File(robot, "odometry");
+  std::optional<Trajectory> odometry;
+  if (!file.empty()) {
+    odometry = ReadTrajectory(file);
+  } else if (fs::exists(fs::path(site.scans.front()).replace_extension(".pose"))) {
+    // 3DTK keeps a scan's odometry beside it.
+    odometry.emplace();
+    odometry->has_times = false;
+    for (const auto& scan : site.scans) {
+      odometry->times.push_back(static_cast<double>(odometry->times.size()));
+      odometry->poses.push_back(Read3dtkPose(fs::path(scan).replace_extension(".pose").string()));
+    }
+  }
+  if (odometry && odometry->size() != site.scans.size()) {
+    Fail(robot["odometry"], "the odometry has " + std::to_string(odometry->size()) +
+                                " poses, but there are " + std::to_string(site.scans.size()) +
+                                " scans: line k belongs to scan k");
+  }
+  return odometry;
+}
+
+StartPose SiteReader::Start(const YAML::Node& node) const {
+  AllowKeys(node, {"translation", "rotation", "sigma_translation", "sigma_rotation_deg"});
+  StartPose start;
+  if (node["translation"]) {
+    const auto t = Numbers(node["translation"], 3, "translation");
+    start.world_from_scan.translation = {t[0], t[1], t[2]};
+  }
+  if (node["rotation"]) {
+    const auto q = Numbers(node["rotation"], 4, "rotation");
+    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+    if (std::abs(rotation.norm() - 1.0) > 1e-2) {
+      Fail(node["rotation"], "rotation is not a unit quaternion x y z w");
+    }
+    start.world_from_scan.rotation = rotation.normalized();
+  }
+  if (node["sigma_translation"]) {
+    start.sigma_translation = Value<double>(node["sigma_translation"], "sigma_translation");
+  }
+  if (node["sigma_rotation_deg"]) {
+    start.sigma_rotation = Value<double>(node["sigma_rotation_deg"], "sigma_rotation_deg") *
+                           std::numbers::pi / 180.0;
+  }
+  if (!(start.sigma_translation > 0) || !(start.sigma_rotation > 0)) {
+    Fail(node, "standard deviations must be positive");
+  }
+  return start;
+}
+
+std::vector<FilterStep> SiteReader::Filters(const YAML::Node& node) const {
+  if (!node.IsSequence()) Fail(node, "filters is a list, for example [{range: {min: 0.5}}]");
+  std::vector<FilterStep> steps;
+  for (const auto& item : node) {
+    if (!item.IsMap() || item.size() != 1) Fail(item, "a filter is one `name: {parameters}`");
+    FilterStep step{item.begin()->first.as<std::string>(), {}};
+    const YAML::Node parameters = item.begin()->second;
+    if (parameters.IsMap()) {
+      for (const auto& p : parameters) {
+        step.parameters[p.first.as<std::string>()] =
+            Value<double>(p.second, step.name + "." + p.first.as<std::string>());
+      }
+    }
+    steps.push_back(std::move(step));
+  }
+  return steps;
+}
+
+RobotSite SiteReader::Robot(const YAML::Node& node) const {
+  AllowKeys(node, {"name", "scans", "format", "odometry", "start", "reference", "filters"});
+  RobotSite robot;
+  robot.name = Text(node, "name", "");
+  if (robot.name.empty() || robot.name.find('/') != std::string::npos) {
+    Fail(node, "a robot needs a `name` without a slash");
+  }
+  robot.format = Text(node, "format", "auto");
+  robot.scans = Scans(node, robot.format);
+  robot.odometry = Odometry(node, robot);
+  if (node["start"]) robot.start = Start(node["start"]);
+  robot.reference = File(node, "reference");
+  if (node["filters"]) robot.filters = Filters(node["filters"]);
+  return robot;
+}
+
+DroneMapSite SiteReader::Map(const YAML::Node& node) const {
+  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times"});
+  DroneMapSite map{Text(node, "name", ""), File(node, "cloud"), File(node, "cameras"),
+                   File(node, "gps"), File(node, "image_times")};
+  if (map.name.empty()) Fail(node, "a map needs a `name`");
+  if (map.cloud.empty()) Fail(node, "a map needs a `cloud`");
+  return map;
+}
+
+Site SiteReader::Read() {
+  const YAML::Node root = Load();
+  if (!root.IsMap()) throw InputError::AtLine(path_, 1, "is not a site file");
+  AllowKeys(root, {"name", "origin", "robots", "maps"});
+  Site site;
+  site.name = Text(root, "name", fs::path(path_).stem().string());
+  if (!root["robots"] || !root["robots"].IsSequence() || root["robots"].size() == 0) {
+    Fail(root, "a site needs `robots`: a list with at least one");
+  }
+  std::set<std::string> names;
+  for (const auto& node : root["robots"]) {
+    site.robots.push_back(Robot(node));
+    if (!names.insert(site.robots.back().name).second) Fail(node, "this robot's name is taken");
+  }
+  if (root["maps"]) {
+    for (const auto& node : root["maps"]) site.maps.push_back(Map(node));
+  }
+  return site;
+}
+
+}  // namespace
+
+Site ReadSite(const std::string& path) { return SiteReader(path).Read(); }
+
+}  // namespace planegraph

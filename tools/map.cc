@@ -1,0 +1,111 @@
+// planegraph map: scans (and drone maps) to one consistent map.
+#include <gflags/gflags.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <mutex>
+
+#include "planegraph/base/atomic_file.h"
+#include "planegraph/base/error.h"
+#include "planegraph/pipeline/mapper.h"
+#include "planegraph/pipeline/outputs.h"
+#include "tools/command.h"
+#include "tools/common_flags.h"
+
+DEFINE_string(optimizer, "graph", "graph (joint), metascan (the paper's), none (pairwise chain)");
+DEFINE_string(plane_factor, "moments", "cost variant of the planes (see `planegraph factors`)");
+DEFINE_string(loss, "cauchy:2.4",
+              "robust loss of the plane residuals, NAME[:SCALE]: none, huber, soft_l1, cauchy, "
+              "tukey, geman_mcclure, dcs");
+DEFINE_double(map_voxel, 0.05,
+              "voxel of the merged map, metres: of each scan one point stays (0: all points)");
+
+namespace planegraph::tools {
+namespace {
+
+MapOptions OptionsFromFlags() {
+  MapOptions options;
+  options.optimizer = FLAGS_optimizer;
+  options.plane_factor = FLAGS_plane_factor;
+  options.loss = ParseLoss(FLAGS_loss);
+  options.threads = FLAGS_threads;
+  return options;
+}
+
+// A line on stderr that is drawn over, only where somebody sees it.
+Progress ProgressLine() {
+  if (FLAGS_quiet || ::isatty(STDERR_FILENO) == 0) return [](const std::string&, double) {};
+  return [mutex = std::make_shared<std::mutex>()](const std::string& stage, double done) {
+    const std::lock_guard<std::mutex> lock(*mutex);
+    const int filled = static_cast<int>(30 * std::min(done, 1.0));
+    std::cerr << "\r" << stage << std::string(14 - std::min<std::size_t>(stage.size(), 13), ' ')
+              << "[" << std::string(filled, '#') << std::string(30 - filled, ' ') << "]"
+              << (done >= 1.0 ? "\n" : "") << std::flush;
+  };
+}
+
+void WriteReport(const MapResult& result, const MapOptions& options, const std::string& folder) {
+  nlohmann::json report = nlohmann::json::parse(ReportJson(result, options));
+  report["planegraph"] = VersionStamp();
+  report["seconds"] = SecondsSinceStart();
+  WriteTextFile(folder + "/report.json", report.dump(1) + "\n");
+  WriteTextFile(folder + "/run.flags", gflags::CommandlineFlagsIntoString());
+  if (FLAGS_json) std::cout << report.dump() << "\n";
+}
+
+void PrintEvaluation(const nlohmann::json& evaluation) {
+  for (const auto& [robot, e] : evaluation.items()) {
+    std::printf("%s against its reference: ATE %.4f m (%s), RPE %.4f m / %.3f deg\n", robot.c_str(),
+                e["ate"]["rmse"].get<double>(), e["ate"]["alignment"].get<std::string>().c_str(),
+                e["rpe"]["rmse"].get<double>(),
+                e["rpe"]["rotation"]["rmse"].get<double>() * 57.29577951308232);
+  }
+}
+
+void PrintSummary(const MapResult& result, const std::string& folder) {
+  std::size_t used = 0;
+  for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
+  std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
+              result.scans.size(), used, result.pairs.size(), result.components,
+              result.components == 1 ? "" : "s", SecondsSinceStart());
+  const auto report = nlohmann::json::parse(ReadTextFile(folder + "/report.json"));
+  PrintEvaluation(report["evaluation"]);
+  std::printf("results: %s\n", folder.c_str());
+}
+
+// All scans in one component is what the map was asked for.
+int ExitCode(const MapResult& result) {
+  for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
+  if (result.components <= 1 && result.site.maps.empty()) return 0;
+  if (result.components > 1) {
+    std::cerr << "error: the scans do not form one component but " << result.components
+              << ": see the registrations in the report\n";
+  }
+  return 3;
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  ExpectArguments(arguments, 1, 1);
+  RequireFlag("output_dir");
+  MapOptions options = OptionsFromFlags();
+  options.progress = ProgressLine();
+  const Site site = ReadSite(arguments[0]);
+  CreateFolder(FLAGS_output_dir);
+  const MapResult result = MapScans(site, options);
+  WriteOutputs(result, {FLAGS_output_dir, FLAGS_map_voxel, FLAGS_threads});
+  WriteReport(result, options, FLAGS_output_dir);
+  if (WantsText()) PrintSummary(result, FLAGS_output_dir);
+  return ExitCode(result);
+}
+
+}  // namespace
+
+Command MapCommand() {
+  return {"map",
+          "SITE.yaml",
+          "scans to one consistent map: poses, merged map, report",
+          {"output_dir", "optimizer", "plane_factor", "loss", "map_voxel"},
+          Run};
+}
+
+}  // namespace planegraph::tools
