@@ -17,3 +17,14 @@ planegraph_find_package(embree 3)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)
+# planegraph_find_pcl(): what of PCL the triangulation links, quietly, where it is installed. (The component `surface` brings
+# VTK, whose package asks for MPI; the triangulation itself is a template.) Our libraries are static, so the users of the
+# installed package need it, too.
+macro(planegraph_find_pcl)
+  find_package(PCL 1.12 QUIET COMPONENTS common kdtree search)
+  if(TARGET pcl_search)
+    set_property(GLOBAL APPEND PROPERTY PLANEGRAPH_PACKAGES "PCL COMPONENTS common kdtree search")
+  else()
+    message(STATUS "PCL not found: no area by greedy projection triangulation")
+  endif()
+endmacro()

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "segmentation/greedy_projection_area.h"
 #include "segmentation/support_mask.h"
 
 namespace planegraph {
@@ -74,7 +75,8 @@ PlaneSegment BuildSegment(const Region& region, const Plane& plane,
     projected.emplace_back(d.dot(u), d.dot(v));
   }
   segment.mask = BuildSupportMask(origin, u, v, options.mask_cell_size, projected);
-  segment.area = MaskArea(segment.mask);
+  segment.area =
+      options.greedy_projection_area ? GreedyProjectionArea(projected) : MaskArea(segment.mask);
   for (const auto& corner : ConvexHull(RowExtremes(projected, segment.mask))) {
     segment.hull.push_back(origin + corner.x() * u + corner.y() * v);
   }
