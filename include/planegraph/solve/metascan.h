@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "planegraph/geometry/rigid3.h"
+#include "planegraph/segmentation/plane_segment.h"
+
+namespace planegraph {
+
+struct MetascanOptions {
+  int least_overlaps = 3;         ///< overlapping surfaces that make two scans neighbours
+  double min_translation = 0.01;  ///< metres: a smaller change of a pose is none
+  double min_rotation_deg = 0.1;
+  int most_pops_per_scan = 20;  ///< the queue need not run empty; this bounds it
+  /// Surfaces coincide when they face alike, lie in one plane and overlap. The gates are wide for a
+  /// scan that is new, and narrow within the metascan.
+  double max_angle_deg = 8.0, group_angle_deg = 3.0;
+  double max_offset = 0.5, group_offset = 0.1;  ///< metres along the normal
+  double overlap_tolerance = 0.0;               ///< metres, of the boxes in the plane
+  double min_area = 0.5;                        ///< m^2: smaller segments take no part
+  int max_iterations = 5;  ///< of association and closed form in one registration
+};
+
+struct MetascanResult {
+  std::vector<Rigid3> poses;  ///< world_from_scan
+  std::size_t pops = 0;       ///< scans taken off the queue
+  bool terminated = true;     ///< the queue ran empty each time
+  /// Scans that found no neighbour with enough overlapping surfaces and stayed where they were.
+  std::vector<std::size_t> alone;
+};
+
+/// Simultaneous matching (Surmann et al. 2003, for surfaces as in the paper): scans join in order,
+/// the first one is the master and stays. A new scan starts the queue; each scan taken off it is
+/// registered, by planes in closed form, to the metascan of its neighbours, in which coinciding
+/// segments are one with merged moments and areas; where its pose changed, its neighbours join the
+/// queue. Poses are world_from_scan, `start` as it is known so far; a new scan keeps its relation
+/// to the scan before it. Hard correspondences, no uncertainty: the baseline of the graph.
+/// Directions that the planes leave open stay as they were. Throws UsageError for unequal counts.
+MetascanResult OptimizeMetascan(const std::vector<PlaneSet>& scans,
+                                const std::vector<Rigid3>& start,
+                                const MetascanOptions& options = {});
+
+}  // namespace planegraph
