@@ -16,6 +16,9 @@ namespace {
 // What holds a pose along the directions that the planes leave open: metres, radians.
 constexpr double kHoldTranslation = 1.0, kHoldRotation = 0.1;
 
+// The gates close to these while a scan is registered: degrees, metres.
+constexpr double kLeastAngleDeg = 1.5, kLeastOffset = 0.06;
+
 class Metascan {
  public:
   Metascan(const std::vector<PlaneSet>& scans, const std::vector<Rigid3>& start,
@@ -33,7 +36,7 @@ class Metascan {
   int CountOverlaps(std::size_t a, std::size_t b) const;
   bool Move(std::size_t scan, const std::vector<std::size_t>& neighbours);
   std::vector<PlaneMatch> Associate(const std::vector<WorldSegment>& current,
-                                    const std::vector<MetaSegment>& metascan, double shrink) const;
+                                    std::vector<MetaSegment>* metascan, double shrink) const;
   bool Changed(const Rigid3& before, const Rigid3& after) const;
 
   const std::vector<PlaneSet>& scans_;
@@ -72,19 +75,20 @@ std::vector<std::size_t> Metascan::Neighbours(std::size_t scan, std::size_t join
 // Each surface of the current scan with the surface of the metascan that lies nearest along the
 // normal; between equally near ones the more similar area decides.
 std::vector<PlaneMatch> Metascan::Associate(const std::vector<WorldSegment>& current,
-                                            const std::vector<MetaSegment>& metascan,
+                                            std::vector<MetaSegment>* metascan,
                                             double shrink) const {
-  const CoincidenceGate gate(options_.max_angle_deg, shrink * options_.max_offset,
+  const CoincidenceGate gate(std::max(kLeastAngleDeg, shrink * options_.max_angle_deg),
+                             std::max(kLeastOffset, shrink * options_.max_offset),
                              options_.overlap_tolerance);
   std::vector<PlaneMatch> matches;
   for (const WorldSegment& s : current) {
-    const MetaSegment* best = nullptr;
+    MetaSegment* best = nullptr;
     double best_distance = std::numeric_limits<double>::max();
-    for (const MetaSegment& meta : metascan) {
+    for (MetaSegment& meta : *metascan) {
       if (!gate.Admits(meta.normal, meta.moments.mean, meta.box, s)) continue;
       const double distance = std::abs(meta.normal.dot(s.centroid - meta.moments.mean));
       const bool close = best != nullptr && std::abs(distance - best_distance) < 0.02;
-      const auto unlike = [&](const MetaSegment& m) {
+      const auto unlike = [&](MetaSegment& m) {
         return std::abs(std::log(m.Area() / s.segment->area));
       };
       if (close ? unlike(meta) < unlike(*best) : distance < best_distance) {
@@ -105,14 +109,14 @@ bool Metascan::Changed(const Rigid3& before, const Rigid3& after) const {
 bool Metascan::Move(std::size_t scan, const std::vector<std::size_t>& neighbours) {
   std::vector<const std::vector<WorldSegment>*> segments;
   for (const std::size_t n : neighbours) segments.push_back(&placed_[n]);
-  const auto metascan = MergeSegments(
+  auto metascan = MergeSegments(
       segments, CoincidenceGate(options_.group_angle_deg, options_.group_offset, 0.5));
   const Rigid3 before = result_.poses[scan];
   ClosedFormOptions closed_form;
   closed_form.open = OpenDirections::kProjection;
   for (int k = 0; k < options_.max_iterations; ++k) {
     const Rigid3 last = result_.poses[scan];
-    const auto matches = Associate(placed_[scan], metascan, std::max(0.2, std::pow(0.5, k)));
+    const auto matches = Associate(placed_[scan], &metascan, std::pow(0.5, k));
     if (static_cast<int>(matches.size()) < options_.least_overlaps) break;
     PosePrior hold{last, Matrix6d::Identity() * kHoldTranslation * kHoldTranslation};
     hold.covariance.bottomRightCorner<3, 3>() *= std::pow(kHoldRotation / kHoldTranslation, 2);

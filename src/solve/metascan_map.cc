@@ -52,9 +52,16 @@ void Fit(MetaSegment* meta) {
   Eigen::Vector3d normal = axes.vectors.col(0);
   if (normal.dot(meta->normal) < 0) normal = -normal;
   Eigen::Vector3d variances = Eigen::Vector3d::Constant(1e6);
+  double own = 0.0;
   for (const WorldSegment* member : meta->members) {
     variances = variances.cwiseMin(member->segment->covariance.diagonal());
+    own += member->segment->axes.values[0];
   }
+  // Scatter that the members do not have by themselves: they are not quite one plane.
+  const double excess = std::max(0.0, axes.values[0] - own);
+  variances +=
+      excess * Eigen::Vector3d(1.0 / std::max(axes.values[1], 1e-9),
+                               1.0 / std::max(axes.values[2], 1e-9), 1.0 / meta->moments.count);
   meta->normal = normal;
   meta->plane = {normal, meta->moments.mean,
                  variances[0] * axes.vectors.col(1) * axes.vectors.col(1).transpose() +
@@ -92,9 +99,10 @@ bool CoincidenceGate::Admits(const Eigen::Vector3d& normal, const Eigen::Vector3
                       tolerance);
 }
 
-double MetaSegment::Area() const {
+double MetaSegment::Area() {
+  if (area_ >= 0.0) return area_;
   // A bitmap of the box in its own axes, of at most kMostCells each way.
-  constexpr double kMostCells = 64;
+  constexpr double kMostCells = 32;
   const double cell = std::max(members[0]->segment->mask.cell_size,
                                2 * std::max(box.half_u, box.half_v) / kMostCells);
   const int wide = static_cast<int>(std::ceil(2 * box.half_u / cell));
@@ -116,7 +124,8 @@ double MetaSegment::Area() const {
       }
     }
   }
-  return cell * cell * static_cast<double>(std::count(seen.begin(), seen.end(), 1));
+  area_ = cell * cell * static_cast<double>(std::count(seen.begin(), seen.end(), 1));
+  return area_;
 }
 
 std::vector<MetaSegment> MergeSegments(

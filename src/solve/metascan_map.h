@@ -39,7 +39,11 @@ struct MetaSegment {
   std::vector<const WorldSegment*> members;
 
   /// Area of the union of the members' masks, m^2: what one scan does not see another may.
-  double Area() const;
+  /// Computed when it is first asked for.
+  double Area();
+
+ private:
+  double area_ = -1.0;
 };
 
 /// The segments of the neighbours with the coinciding ones merged, largest first.

@@ -104,7 +104,7 @@ TEST(MetascanTest, MergingClosesGaps) {
   PlaneSet first;
   first.planes.push_back(MakeSegment({{-1.5, 3, 1}, x, z, 2, 1}, a.Inverse(), 0));
   const auto segments_a = PlaceSegments(first, a, 0.5), segments_b = PlaceSegments(right, b, 0.5);
-  const auto merged = MergeSegments({&segments_a, &segments_b}, CoincidenceGate(3, 0.1, 0.0));
+  auto merged = MergeSegments({&segments_a, &segments_b}, CoincidenceGate(3, 0.1, 0.0));
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_NEAR(merged[0].Area(), 14.0, 0.5);
   EXPECT_NEAR(merged[0].plane.centroid.x(), 0.0, 1e-9);

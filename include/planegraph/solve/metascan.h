@@ -15,10 +15,10 @@ struct MetascanOptions {
   int most_pops_per_scan = 20;  ///< the queue need not run empty; this bounds it
   /// Surfaces coincide when they face alike, lie in one plane and overlap. The gates are wide for a
   /// scan that is new, and narrow within the metascan.
-  double max_angle_deg = 8.0, group_angle_deg = 3.0;
-  double max_offset = 0.5, group_offset = 0.1;  ///< metres along the normal
-  double overlap_tolerance = 0.0;               ///< metres, of the boxes in the plane
-  double min_area = 0.5;                        ///< m^2: smaller segments take no part
+  double max_angle_deg = 4.0, group_angle_deg = 2.0;
+  double max_offset = 0.4, group_offset = 0.05;  ///< metres along the normal
+  double overlap_tolerance = 0.0;                ///< metres, of the boxes in the plane
+  double min_area = 2.0;                         ///< m^2: smaller segments take no part
   int max_iterations = 5;  ///< of association and closed form in one registration
 };
 
