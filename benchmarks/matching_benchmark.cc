@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "planegraph/registration/registration.h"
+#include "planegraph/registration/xiao.h"
 #include "planegraph/segmentation/segmenter.h"
 #include "planegraph/simulation/simulation.h"
 
@@ -76,6 +77,13 @@ void RegisterWithoutGuess(benchmark::State& state) {
   CountPlanes(state);
 }
 BENCHMARK(RegisterWithoutGuess)->Unit(benchmark::kMillisecond);
+
+// The paper's search and closed form on the same planes.
+void RegisterByXiao(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(RegisterXiao(Pair().target, Pair().source));
+  CountPlanes(state);
+}
+BENCHMARK(RegisterByXiao)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace planegraph

@@ -43,15 +43,13 @@ SegmentationOptions OptionsFromFlags(CloudKind kind) {
   if (FLAGS_area != "mask" && FLAGS_area != "greedy_projection") {
     throw UsageError("--area must be mask or greedy_projection, not '" + FLAGS_area + "'");
   }
-  if (FLAGS_area == "greedy_projection") {
-    throw UsageError("--area=greedy_projection is not built yet");
-  }
   SegmentationOptions options;
   options.kind = kind;
   if (!FLAGS_noise.empty()) options.noise = ParseNoise(FLAGS_noise);
   options.cell_size = FLAGS_cell_size;
   options.min_points = FLAGS_min_points;
   options.min_area = FLAGS_min_area;
+  options.greedy_projection_area = FLAGS_area == "greedy_projection";
   return options;
 }
 

@@ -10,6 +10,7 @@
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/geometry/sim3.h"
 #include "planegraph/registration/registration.h"
+#include "planegraph/registration/xiao.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
 #include "tools/plane_input.h"
@@ -120,6 +121,11 @@ nlohmann::json PairsToJson(const std::vector<PlanePair>& pairs, const PlaneSet& 
   return out;
 }
 
+// Whether anything was matched at all.
+bool HasPose(const Refinement& result) {
+  return result.pairs > 0 || !result.correspondences.empty();
+}
+
 nlohmann::json ToJson(const Registration& result, const PlaneSet& target, const PlaneSet& source,
                       double scale) {
   Rigid3 pose = WithOffsets(result.target_from_source(), target, source);
@@ -135,16 +141,14 @@ nlohmann::json ToJson(const Registration& result, const PlaneSet& target, const 
       {"runner_up", result.runner_up},
       {"rms", result.refinement.rms},
       {"planes", {{"source", source.planes.size()}, {"target", target.planes.size()}}}};
-  if (result.refinement.pairs == 0) json["covariance"] = json["target_from_source"] = nullptr;
-  if (!FLAGS_map_scale.empty() && result.refinement.pairs > 0)
+  if (!HasPose(result.refinement)) json["covariance"] = json["target_from_source"] = nullptr;
+  if (!FLAGS_map_scale.empty() && HasPose(result.refinement))
     json["target_from_source"]["scale"] = 1.0 / scale;
   return json;
 }
 
 Registration RunMatcher(const ScanModel& target, const ScanModel& source) {
-  if (FLAGS_matcher != "ours") {
-    throw UsageError("--matcher must be ours, not '" + FLAGS_matcher + "'");
-  }
+  if (FLAGS_matcher == "xiao") return RegisterXiao(*target.planes, *source.planes);
   if (FLAGS_guess.empty()) return Register(target, source);
   const Rigid3 guess = WithoutOffsets(ParsePose(FLAGS_guess), *target.planes, *source.planes);
   return RegisterFromGuess(target, source, {guess, ParseSigmas(FLAGS_guess_sigma)});
@@ -153,7 +157,7 @@ Registration RunMatcher(const ScanModel& target, const ScanModel& source) {
 void PrintSummary(const nlohmann::json& json, const Registration& result) {
   std::printf("%s%s%s\n", ToString(result.status), result.reason.empty() ? "" : ": ",
               result.reason.c_str());
-  if (result.refinement.pairs == 0) return;
+  if (!HasPose(result.refinement)) return;
   const Eigen::Vector3d angles =
       LogSO3(result.target_from_source().rotation) * 180.0 / std::numbers::pi;
   const Matrix6d& covariance = result.refinement.covariance;
@@ -171,6 +175,9 @@ void PrintSummary(const nlohmann::json& json, const Registration& result) {
 void CheckFlags() {
   if (FLAGS_matcher != "ours" && FLAGS_matcher != "xiao") {
     throw UsageError("--matcher must be ours or xiao, not '" + FLAGS_matcher + "'");
+  }
+  if (FLAGS_matcher == "xiao" && !FLAGS_guess.empty()) {
+    throw UsageError("--matcher=xiao takes no --guess");
   }
   if (!FLAGS_guess.empty()) ParsePose(FLAGS_guess), ParseSigmas(FLAGS_guess_sigma);
 }
