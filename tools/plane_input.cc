@@ -3,10 +3,12 @@
 #include <gflags/gflags.h>
 
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
 #include "planegraph/base/error.h"
+#include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/segmentation/planes_json.h"
 #include "tools/common_flags.h"
@@ -57,10 +59,15 @@ std::vector<std::uint32_t> PointsToUse(const Cloud& cloud, CloudKind kind) {
   const Eigen::Vector3f sensor = (cloud.viewpoint - cloud.offset).cast<float>();
   const auto least = static_cast<float>(kind == CloudKind::kLaser ? FLAGS_min_range : 0.0);
   std::vector<std::uint32_t> indices;
-  indices.reserve(cloud.size());
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    if (!((cloud.points[i] - sensor).norm() < least)) indices.push_back(i);
+  if (kind == CloudKind::kLaser) {
+    indices = UnsaturatedReturns(cloud);
+  } else {
+    indices.resize(cloud.size());
+    std::iota(indices.begin(), indices.end(), 0u);
   }
+  std::erase_if(indices, [&](std::uint32_t i) {
+    return (cloud.points[i] - sensor).norm() < least;
+  });
   return indices;
 }
 

@@ -1,10 +1,11 @@
 #include "planegraph/pipeline/front_end.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
+#include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/io/cloud_io.h"
-#include "planegraph/pipeline/filters.h"
 
 namespace planegraph {
 namespace {
@@ -22,6 +23,13 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// The default chain drops what lies nearer than half a metre: the robot itself.
+Cloud Filter(const RobotSite& robot, Cloud cloud) {
+  constexpr double kRobotRadius = 0.5;
+  if (robot.filters.empty()) return RangeFilter(cloud, kRobotRadius, INFINITY);
+  return FilterChain(robot.filters).Apply(std::move(cloud));
+}
+
 std::string ScanId(const std::string& robot, std::size_t index) {
   char number[32];
   std::snprintf(number, sizeof(number), "/%03zu", index);
@@ -36,7 +44,7 @@ LoadedScan LoadScan(const RobotSite& robot, std::size_t index) {
   scan.cloud = ReadCloud(robot.scans[index], robot.format);
   scan.points = scan.cloud.size();
   scan.seconds_read = watch.Lap();
-  ApplyFilters(robot.filters, &scan.cloud);
+  scan.cloud = Filter(robot, DropSaturatedReturns(std::move(scan.cloud)));
   scan.seconds_preprocess = watch.Lap();
   return scan;
 }

@@ -7,6 +7,7 @@
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/pipeline/joint_solve.h"
+#include "planegraph/solve/metascan.h"
 
 namespace planegraph {
 namespace {
@@ -57,12 +58,31 @@ std::vector<Rigid3> RegisterScans(const MapOptions& options, MapResult* result) 
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
       ChainPoses(result->site, result->scans, result->pairs, result->odometry);
-  if (options.optimizer == "none") return poses;
+  if (options.optimizer != "graph") return poses;
   auto more = RegisterNeighbours(models, poses, result->pairs, options.registration,
                                  options.neighbours_per_scan, options.threads);
   std::move(more.begin(), more.end(), std::back_inserter(result->pairs));
   options.progress("registration", 1.0);
   return SolveRelativePoses(result->pairs, result->odometry, poses, options.threads);
+}
+
+// Step q of the paper: the metascan, on the same segments.
+JointSolution MatchSimultaneously(const std::vector<Rigid3>& start, MapResult* result) {
+  std::vector<PlaneSet> sets;
+  for (const auto& scan : result->scans) {
+    sets.emplace_back();
+    sets.back().kind = scan.planes.kind;
+    sets.back().planes = scan.planes.planes;
+  }
+  const MetascanResult metascan = OptimizeMetascan(sets, start);
+  if (!metascan.terminated) {
+    result->warnings.push_back("the metascan's queue did not run empty; it was stopped");
+  }
+  JointSolution solution;
+  solution.world_from_scan = metascan.poses;
+  solution.summary.iterations = static_cast<int>(metascan.pops);
+  solution.summary.converged = metascan.terminated;
+  return solution;
 }
 
 void Check(const Site& site, const MapOptions& options, MapResult* result) {
@@ -98,6 +118,10 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     Lap lap(&result.seconds.solve);
     result.solution =
         SolveJointly(result.scans, result.pairs, result.odometry, start, options);
+  }
+  if (options.optimizer == "metascan") {
+    Lap lap(&result.seconds.solve);
+    result.solution = MatchSimultaneously(start, &result);
   }
   if (options.optimizer == "graph") {
     Lap lap(&result.seconds.covariance);

@@ -52,18 +52,30 @@ std::vector<Bin> BinByRange(const std::vector<NoiseSample>& sorted) {
   return result;
 }
 
-// Least squares in sigma; a negative coefficient is fixed at zero and the other fitted alone.
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Theil-Sen: the median of all slopes, so that one odd bin (returns of the sky) does not turn the
+// line. A negative coefficient is fixed at zero and the other fitted alone.
 NoiseModel FitLine(const std::vector<Bin>& bins) {
-  double n = 0, sr = 0, srr = 0, ss = 0, srs = 0;
-  for (const Bin& bin : bins) {
-    n += 1, sr += bin.range, srr += bin.range * bin.range;
-    ss += bin.sigma, srs += bin.range * bin.sigma;
+  std::vector<double> slopes, sigmas, ratios;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    sigmas.push_back(bins[i].sigma);
+    ratios.push_back(bins[i].sigma / std::max(bins[i].range, 1e-12));
+    for (std::size_t k = 0; k < i; ++k) {
+      const double run = bins[i].range - bins[k].range;
+      if (run > 1e-6) slopes.push_back((bins[i].sigma - bins[k].sigma) / run);
+    }
   }
-  const double determinant = n * srr - sr * sr;
-  const double slope = determinant > 1e-12 ? (n * srs - sr * ss) / determinant : 0.0;
-  const double constant = (ss - slope * sr) / n;
-  if (slope <= 0.0) return {std::max(ss / n, kLeastSigma), 0.0};
-  if (constant <= kLeastSigma) return {kLeastSigma, srs / std::max(srr, 1e-12)};
+  const double slope = slopes.empty() ? 0.0 : Median(slopes);
+  if (slope <= 0.0) return {std::max(Median(sigmas), kLeastSigma), 0.0};
+  std::vector<double> constants;
+  for (const Bin& bin : bins) constants.push_back(bin.sigma - slope * bin.range);
+  const double constant = Median(constants);
+  if (constant <= kLeastSigma) return {kLeastSigma, Median(ratios)};
   return {constant, slope};
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "planegraph/cloud/filters.h"
 #include "planegraph/geometry/rigid3.h"
 #include "planegraph/io/trajectory_io.h"
 
@@ -15,12 +15,6 @@ struct StartPose {
   Rigid3 world_from_scan;
   double sigma_translation = 1.0;  ///< metres, per axis
   double sigma_rotation = 0.17;    ///< radians, per axis
-};
-
-/// One step of the filter chain, as the site file lists it.
-struct FilterStep {
-  std::string name;
-  std::map<std::string, double> parameters;
 };
 
 /// A robot's scans in order, and what is known of its way.
