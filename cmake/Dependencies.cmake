@@ -14,6 +14,7 @@ planegraph_find_package(nlohmann_json 3.11)
 planegraph_find_package(yaml-cpp)
 planegraph_find_package(nanoflann)
 planegraph_find_package(embree 3)
+planegraph_find_package(ZLIB)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)

@@ -8,14 +8,14 @@ Command EvaluateCommand();
 Command FactorsCommand();
 Command MapCommand();
 Command RegisterCommand();
+Command ReportCommand();
 Command SegmentCommand();
 Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
-      MapCommand(),
-      SegmentCommand(),  RegisterCommand(), EvaluateCommand(),
-      SimulateCommand(), FactorsCommand(),  ConvertCommand(),
+      MapCommand(),      ReportCommand(),   SegmentCommand(), RegisterCommand(),
+      EvaluateCommand(), SimulateCommand(), FactorsCommand(), ConvertCommand(),
   };
 }
 

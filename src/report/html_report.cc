@@ -1,0 +1,69 @@
+#include "planegraph/report/html_report.h"
+
+#include <filesystem>
+
+#include "planegraph/base/atomic_file.h"
+#include "planegraph/base/error.h"
+#include "planegraph/io/cloud_io.h"
+#include "report/html.h"
+#include "report/plan_svg.h"
+#include "report/render.h"
+#include "report/sections.h"
+#include "report/style.h"
+
+namespace planegraph {
+namespace {
+
+Json ReadReport(const std::string& path) {
+  const std::string text = ReadTextFile(path);
+  try {
+    Json report = Json::parse(text);
+    if (!report.is_object()) throw InputError::InFile(path, "is not a JSON object");
+    return report;
+  } catch (const Json::parse_error& error) {
+    throw InputError::AtByte(path, error.byte, "is not valid JSON");
+  } catch (const Json::exception& error) {
+    throw InputError::InFile(path, std::string("cannot be used: ") + error.what());
+  }
+}
+
+Cloud ReadMap(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return {};
+  return ReadCloud(path, "ply");
+}
+
+std::string Head(const std::string& name) {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+         Escape(name.empty() ? "Planegraph report" : name + " – Planegraph report") +
+         "</title>\n<style>" + kReportStyle + "</style>\n</head>\n<body>\n";
+}
+
+std::string Footer(const Json& report) {
+  return "<footer><p>Written by Planegraph " +
+         TextOrDash(TextAt(report, {"planegraph", "version"})) + " (" +
+         TextOrDash(TextAt(report, {"planegraph", "commit"})) +
+         "). The same figures are in report.json. Metres, right-handed, z up.</p></footer>\n";
+}
+
+}  // namespace
+
+std::string RenderReport(const Json& report, const Cloud& map) {
+  const ReportData data = ReadReportData(report);
+  const PlanFrame frame(ChooseView(map, data.Positions()));
+  return Head(TextAt(report, {"name"})) + HeaderHtml(data) + "<main>\n" +
+         Section("Plan", FloorPlanHtml(data, map, frame)) + OpenDirectionsHtml(data) +
+         EvaluationHtml(data) + ScansHtml(data) +
+         Section("Registrations", GraphHtml(data, frame) + RegistrationsHtml(data)) +
+         MapsHtml(data) + TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) +
+         ConfigurationHtml(data) + "</div>\n" + "</main>\n" + Footer(report) + "</body>\n</html>\n";
+}
+
+void WriteHtmlReport(const std::string& folder) {
+  const Json report = ReadReport(folder + "/report.json");
+  const Cloud map = ReadMap(folder + "/map.ply");
+  WriteTextFile(folder + "/report.html", RenderReport(report, map));
+}
+
+}  // namespace planegraph

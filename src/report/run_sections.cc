@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/html.h"
+#include "report/sections.h"
+
+namespace planegraph {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+// A table of names and values; values are HTML.
+class Facts {
+ public:
+  void Add(const std::string& name, const std::string& value) {
+    if (value == kDash || value.empty()) return;
+    rows_ += "<tr><th>" + Escape(name) + "</th><td>" + value + "</td></tr>\n";
+  }
+  std::string Html() const {
+    if (rows_.empty()) return "";
+    return "<div class=\"scroll\"><table class=\"facts\"><tbody>\n" + rows_ +
+           "</tbody></table></div>\n";
+  }
+
+ private:
+  std::string rows_;
+};
+
+// ---- evaluation ----
+
+std::string AteConventions(const Json& ate) {
+  const std::string alignment = TextAt(ate, {"alignment"});
+  return "alignment " + TextOrDash(alignment) +
+         (alignment == "first" ? " (the positions define no other)" : "");
+}
+
+std::string RpeConventions(const Json& rpe) {
+  return "delta " + PlainOrDash(NumberAt(rpe, {"delta"})) + " " +
+         Escape(TextAt(rpe, {"delta_unit"})) + ", pairs " + TextOrDash(TextAt(rpe, {"pairs"})) +
+         " on the " + TextOrDash(TextAt(rpe, {"pairs_from"}));
+}
+
+void AddErrors(const std::string& robot, const char* what, const Json& errors,
+               const std::string& conventions, HtmlTable* table) {
+  if (!errors.is_object()) return;
+  std::vector<std::string> cells = {Escape(robot), what,
+                                    GroupedOrDash(NumberAt(errors, {"count"}))};
+  for (const char* key : {"rmse", "mean", "median", "max"}) {
+    cells.push_back(FixedOrDash(NumberAt(errors, {key}), 1, 1000.0));
+  }
+  for (const char* key : {"rmse", "max"}) {
+    cells.push_back(FixedOrDash(NumberAt(errors, {"rotation", key}), 3, kDegrees));
+  }
+  cells.push_back(conventions);
+  table->Row(cells);
+}
+
+// ---- times ----
+
+struct Stage {
+  std::string name;
+  double seconds = 0.0;
+};
+
+std::vector<Stage> Stages(const Json& json) {
+  std::vector<Stage> stages;
+  const Json& list = Get(json, {"stage_seconds"});
+  if (!list.is_object()) return stages;
+  // Known stages in the order in which they run, then any other.
+  const std::vector<std::string> order = {"front_end", "registration", "solve", "covariance",
+                                          "output"};
+  for (const std::string& name : order) {
+    const auto seconds = NumberAt(list, {name.c_str()});
+    if (seconds) stages.push_back({name, std::max(0.0, *seconds)});
+  }
+  for (const auto& [name, seconds] : list.items()) {
+    const bool known = std::find(order.begin(), order.end(), name) != order.end();
+    if (known || !seconds.is_number()) continue;
+    stages.push_back({name, std::max(0.0, seconds.get<double>())});
+  }
+  return stages;
+}
+
+std::string StageName(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return Escape(name);
+}
+
+std::string BarHtml(const std::vector<Stage>& stages, double total) {
+  std::string svg =
+      "<svg class=\"bar\" role=\"img\" aria-label=\"Share of each stage of the time\" "
+      "viewBox=\"0 0 1000 28\" preserveAspectRatio=\"none\">\n";
+  double at = 0.0;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const double width = 1000.0 * stages[i].seconds / total;
+    svg += "<rect class=\"s" + std::to_string(i % 6) + "\" x=\"" + Fixed(at, 1) +
+           "\" y=\"0\" width=\"" + Fixed(width, 1) + "\" height=\"28\"><title>" +
+           StageName(stages[i].name) + "</title></rect>\n";
+    at += width;
+  }
+  return svg + "</svg>\n";
+}
+
+std::string BarLegend(const std::vector<Stage>& stages, double total) {
+  std::string items;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    items += "<li><svg class=\"key\" viewBox=\"0 0 28 14\"><rect class=\"s" +
+             std::to_string(i % 6) + "\" x=\"4\" y=\"1\" width=\"20\" height=\"12\"/></svg>" +
+             StageName(stages[i].name) + " " + Fixed(stages[i].seconds, 3) + " s (" +
+             Fixed(100.0 * stages[i].seconds / total, 0) + " %)</li>";
+  }
+  return "<ul class=\"legend\">" + items + "</ul>\n";
+}
+
+// ---- configuration ----
+
+std::string ValueText(const Json& value) {
+  if (value.is_string()) return "<code>" + TextOrDash(value.get<std::string>()) + "</code>";
+  return value.is_null()
+             ? kDash
+             : "<code>" + Escape(value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+                   "</code>";
+}
+
+// Objects become one row for each leaf, named by its way.
+void AddLeaves(const std::string& name, const Json& value, Facts* facts) {
+  if (!value.is_object()) return facts->Add(name, ValueText(value));
+  for (const auto& [key, inner] : value.items()) {
+    AddLeaves(name.empty() ? key : name + "." + key, inner, facts);
+  }
+}
+
+std::string CommandText(const Json& stamp) {
+  const Json& command = Get(stamp, {"command"});
+  if (!command.is_array()) return ValueText(command);
+  std::string text;
+  for (const Json& word : command) {
+    if (word.is_string()) text += (text.empty() ? "" : " ") + word.get<std::string>();
+  }
+  return "<code>" + Escape(text) + "</code>";
+}
+
+}  // namespace
+
+std::string MapsHtml(const ReportData& data) {
+  HtmlTable table(
+      {{"map", "", false}, {"position x, y, z", "m"}, {"scale", ""}, {"sigma of the scale", ""}});
+  for (const Json& map : ListAt(*data.json, {"maps"})) {
+    const auto p = VectorAt(map, {"world_from_map", "translation"});
+    table.Row({TextOrDash(TextAt(map, {"id"})),
+               p ? Fixed(p->x(), 2) + ", " + Fixed(p->y(), 2) + ", " + Fixed(p->z(), 2) : kDash,
+               SignificantOrDash(NumberAt(map, {"world_from_map", "scale"}), 6),
+               SignificantOrDash(NumberAt(map, {"sigma_scale"}), 2)});
+  }
+  return Section("Drone maps", table.Html("Table of the maps"));
+}
+
+std::string EvaluationHtml(const ReportData& data) {
+  HtmlTable table({{"robot", "", false},
+                   {"error", "", false},
+                   {"count", ""},
+                   {"rmse", "mm"},
+                   {"mean", "mm"},
+                   {"median", "mm"},
+                   {"max", "mm"},
+                   {"rotation rmse", "deg"},
+                   {"rotation max", "deg"},
+                   {"conventions", "", false}});
+  const Json& evaluation = Get(*data.json, {"evaluation"});
+  if (evaluation.is_object()) {
+    for (const auto& [robot, errors] : evaluation.items()) {
+      const Json &ate = Get(errors, {"ate"}), &rpe = Get(errors, {"rpe"});
+      AddErrors(robot, "ATE", ate, AteConventions(ate), &table);
+      AddErrors(robot, "RPE", rpe, RpeConventions(rpe), &table);
+    }
+  }
+  return Section("Errors against the reference", table.Html("Table of the errors"));
+}
+
+std::string SolveHtml(const ReportData& data) {
+  const Json& solve = Get(*data.json, {"solve"});
+  const auto converged = FlagAt(solve, {"converged"});
+  Facts facts;
+  facts.Add("optimizer", TextOrDash(TextAt(solve, {"optimizer"})));
+  facts.Add("plane factor", TextOrDash(TextAt(solve, {"plane_factor"})));
+  facts.Add("robust loss", TextOrDash(TextAt(solve, {"loss"})));
+  facts.Add("initial cost", SignificantOrDash(NumberAt(solve, {"initial_cost"}), 6));
+  facts.Add("final cost", SignificantOrDash(NumberAt(solve, {"final_cost"}), 6));
+  facts.Add("iterations", GroupedOrDash(NumberAt(solve, {"iterations"})));
+  facts.Add("rounds of association", GroupedOrDash(NumberAt(solve, {"rounds"})));
+  facts.Add("converged", !converged ? kDash : *converged ? "yes" : "no");
+  facts.Add("plane landmarks", GroupedOrDash(NumberAt(solve, {"landmarks"})));
+  facts.Add("observations of them", GroupedOrDash(NumberAt(solve, {"observations"})));
+  const auto offset = NumberAt(solve, {"floor_offset"}), tilt = NumberAt(solve, {"floor_tilt"});
+  if (offset) facts.Add("noise floor, offset", Fixed(*offset * 1000.0, 2) + " mm");
+  if (tilt) facts.Add("noise floor, tilt", Fixed(*tilt * kDegrees, 4) + "°");
+  const auto seconds = NumberAt(solve, {"seconds"});
+  if (seconds) facts.Add("time", Fixed(*seconds, 3) + " s");
+  return Section("Solve", facts.Html());
+}
+
+std::string TimesHtml(const ReportData& data) {
+  const std::vector<Stage> stages = Stages(*data.json);
+  double total = 0.0;
+  for (const Stage& stage : stages) total += stage.seconds;
+  if (total <= 0.0) return "";
+  return Section("Wall time of the stages", BarHtml(stages, total) + BarLegend(stages, total));
+}
+
+std::string ConfigurationHtml(const ReportData& data) {
+  const Json& stamp = Get(*data.json, {"planegraph"});
+  Facts facts;
+  facts.Add("version", TextOrDash(TextAt(stamp, {"version"})));
+  facts.Add("commit", TextOrDash(TextAt(stamp, {"commit"})));
+  facts.Add("command", CommandText(stamp));
+  facts.Add("seed", GroupedOrDash(NumberAt(stamp, {"seed"})));
+  AddLeaves("flag", Get(stamp, {"flags"}), &facts);
+  AddLeaves("", Get(*data.json, {"configuration"}), &facts);
+  AddLeaves("origin", Get(*data.json, {"origin"}), &facts);
+  return Section("Configuration", facts.Html());
+}
+
+}  // namespace planegraph

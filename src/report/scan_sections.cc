@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/html.h"
+#include "report/sections.h"
+
+namespace planegraph {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+// ---- open directions ----
+
+std::string OpenItem(const ReportScan& scan, const OpenDirection& open) {
+  const std::string what = open.sigma ? "not observed by the planes, " : "not observed, ";
+  return "<li><b>" + TextOrDash(scan.id) + "</b>: " + InWords(open) + ": " + what +
+         HoldInWords(open) + "</li>\n";
+}
+
+std::string OpenItems(const ReportData& data, std::size_t* count) {
+  std::string items;
+  for (const ReportScan& scan : data.scans) {
+    for (const OpenDirection& open : OpenDirections(*scan.json)) {
+      items += OpenItem(scan, open);
+      ++*count;
+    }
+  }
+  return items;
+}
+
+std::string FoldedList(const std::string& items, std::size_t count, const std::string& summary) {
+  constexpr std::size_t kMostOpen = 12;
+  const std::string list = "<ul class=\"words\">\n" + items + "</ul>\n";
+  if (count <= kMostOpen) return list;
+  return "<details><summary>" + Escape(summary) + "</summary>\n" + list + "</details>\n";
+}
+
+std::string WarningsHtml(const Json& json) {
+  std::string items;
+  for (const Json& warning : ListAt(json, {"warnings"})) {
+    if (warning.is_string()) items += "<li>" + Escape(warning.get<std::string>()) + "</li>\n";
+  }
+  return items.empty() ? "" : "<ul class=\"words\">\n" + items + "</ul>\n";
+}
+
+// ---- scans ----
+
+std::string PositionText(const ReportScan& scan) {
+  if (!scan.position) return kDash;
+  const Eigen::Vector3d& p = *scan.position;
+  return Fixed(p.x(), 2) + ", " + Fixed(p.y(), 2) + ", " + Fixed(p.z(), 2);
+}
+
+std::string SigmaText(const ReportScan& scan, int first, double factor, int decimals) {
+  if (!scan.covariance) return kDash;
+  return Fixed(WeakestAxis(*scan.covariance, first).sigma * factor, decimals);
+}
+
+bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
+
+std::string WeakestText(const ReportScan& scan) {
+  const auto open = OpenDirections(*scan.json);
+  if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
+  if (IsFixed(scan)) return "fixed: the world's frame";
+  if (!scan.covariance) return kDash;
+  const Weakest weakest = WeakestAxis(*scan.covariance, 0);
+  OpenDirection words;
+  words.axis = weakest.axis;
+  return InWords(words) + ", held by planes";
+}
+
+std::string SecondsText(const Json& scan) {
+  double sum = 0.0;
+  bool any = false;
+  for (const char* step : {"read", "preprocess", "segment"}) {
+    const auto seconds = NumberAt(scan, {"seconds", step});
+    sum += seconds.value_or(0.0);
+    any = any || seconds;
+  }
+  return any ? Fixed(sum, 3) : kDash;
+}
+
+void AddScan(const ReportScan& scan, HtmlTable* table) {
+  const Json& json = *scan.json;
+  table->Row(
+      {TextOrDash(scan.id), GroupedOrDash(NumberAt(json, {"points"})),
+       GroupedOrDash(NumberAt(json, {"points_filtered"})),
+       GroupedOrDash(NumberAt(json, {"planes"})), PositionText(scan), SigmaText(scan, 0, 1000.0, 1),
+       SigmaText(scan, 3, kDegrees, 3), WeakestText(scan), SecondsText(json)},
+      OpenDirections(json).empty() ? "" : "weak");
+}
+
+// ---- registrations ----
+
+std::string CorrespondencesText(const Json& r) {
+  const Json& value = Get(r, {"correspondences"});
+  if (value.is_array()) return Grouped(static_cast<double>(value.size()));
+  return GroupedOrDash(NumberAt(r, {"correspondences"}));
+}
+
+std::string NoteText(const Json& r) {
+  std::string note = Escape(TextAt(r, {"reason"}));
+  for (const OpenDirection& open : OpenDirections(r)) {
+    note += (note.empty() ? "" : "; ") + InWords(open) + " not observed";
+  }
+  return note;
+}
+
+std::string StatusText(const std::string& status) {
+  if (status.empty()) return kDash;
+  return "<span class=\"status " + std::string(status == "ok" ? "good" : "fair") + "\">" +
+         Escape(status) + "</span>";
+}
+
+void AddRegistration(const Json& r, HtmlTable* table) {
+  const auto used = FlagAt(r, {"used"});
+  table->Row(
+      {TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
+       TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})), CorrespondencesText(r),
+       FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0), FixedOrDash(NumberAt(r, {"quality"}), 2),
+       !used   ? kDash
+       : *used ? "yes"
+               : "no",
+       NoteText(r), FixedOrDash(NumberAt(r, {"seconds"}), 3)},
+      used.value_or(true) ? "" : "unused");
+}
+
+}  // namespace
+
+std::string OpenDirectionsHtml(const ReportData& data) {
+  std::size_t count = 0;
+  const std::string items = OpenItems(data, &count);
+  if (data.scans.empty()) return "";
+  const std::string open =
+      count == 0 ? "<p>None: the planes hold every scan in all six directions.</p>\n"
+                 : FoldedList(items, count, Grouped(static_cast<double>(count)) + " directions");
+  return Section("Directions that the planes leave open", open) +
+         Section("Warnings", WarningsHtml(*data.json));
+}
+
+std::string ScansHtml(const ReportData& data) {
+  HtmlTable table({{"scan", "", false},
+                   {"points", ""},
+                   {"after filters", ""},
+                   {"planes", ""},
+                   {"position x, y, z", "m"},
+                   {"sigma", "mm"},
+                   {"sigma", "deg"},
+                   {"weakest direction, and what holds it", "", false},
+                   {"time", "s"}});
+  for (const ReportScan& scan : data.scans) AddScan(scan, &table);
+  if (table.rows() == 0) return "";
+  return Section("Scans",
+                 "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
+                 "rotation about its weakest axis, relative to the fixed scan.</p>\n" +
+                     table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
+}
+
+std::string RegistrationsHtml(const ReportData& data) {
+  HtmlTable table({{"target", "", false},
+                   {"source", "", false},
+                   {"kind", "", false},
+                   {"status", "", false},
+                   {"pairs of planes", ""},
+                   {"residual", "mm"},
+                   {"quality", ""},
+                   {"used", "", false},
+                   {"note", "", false},
+                   {"time", "s"}});
+  for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
+  return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
+}
+
+}  // namespace planegraph

@@ -1,0 +1,205 @@
+#include "planegraph/report/html_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "io/test_files.h"
+#include "planegraph/io/cloud_io.h"
+#include "report/html_checker.h"
+#include "report/png_reader.h"
+#include "report/render.h"
+#include "report/sample_run.h"
+
+namespace planegraph {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class HtmlReport : public TestFolder {
+ protected:
+  std::string ReportOf(const std::string& json) {
+    Write("report.json", json);
+    WriteHtmlReport(Path(""));
+    return ReadTextFile(Path("report.html"));
+  }
+  void WriteMap() { WriteCloud(Path("map.ply"), RoomCloud()); }
+};
+
+TEST_F(HtmlReport, ShowsWhatTheRunSays) {
+  WriteMap();
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, HasSubstr("All 3 scans joined in one component by 1 registration;"));
+  EXPECT_THAT(page, HasSubstr("nothing holds a direction of 1 scan"));
+  EXPECT_THAT(page, HasSubstr("translation along (1.00, 0.00, 0.00): not observed by the planes, "
+                              "sigma 0.60\u00a0m from odometry"));
+  EXPECT_THAT(page, HasSubstr("rotation about (0.00, 0.00, 1.00): not observed, nothing holds it"));
+  EXPECT_THAT(page, HasSubstr("1\u202f234\u202f567"));
+  EXPECT_THAT(page, HasSubstr("two poses explain the planes"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">4.2</td>"));    // residual, mm
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">600.0</td>"));  // sigma: sqrt(0.36) m
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">∞</td>"));      // a null variance
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">12.3</td>"));   // ATE, mm
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">1.000</td>"));  // ATE rotation, deg
+  EXPECT_THAT(page, HasSubstr("alignment first"));
+  EXPECT_THAT(page, HasSubstr("cauchy:2.4"));
+  EXPECT_THAT(page, HasSubstr("huber:1"));
+}
+
+TEST_F(HtmlReport, EqualInputGivesEqualBytes) {
+  WriteMap();
+  const std::string json = SampleReport().dump();
+  EXPECT_EQ(ReportOf(json), ReportOf(json));
+}
+
+TEST_F(HtmlReport, RefersToNothingOutside) {
+  WriteMap();
+  const std::string page = ReportOf(SampleReport().dump());
+  const std::regex reference("(src|href|url)\\s*[=(]\\s*[\"']?([^\"')> ]{0,11})");
+  std::size_t count = 0;
+  for (std::sregex_iterator it(page.begin(), page.end(), reference), end; it != end;
+       ++it, ++count) {
+    const std::string target = (*it)[2];
+    EXPECT_TRUE(target.starts_with("#") || target.starts_with("data:image/")) << target;
+  }
+  EXPECT_GT(count, 1u);
+  for (const char* outside : {"http:", "https:", "@import", "<script", "<link", "//"}) {
+    const std::string without_picture = std::regex_replace(page, std::regex("base64,[^\"]*"), "");
+    EXPECT_THAT(without_picture, Not(HasSubstr(outside)));
+  }
+}
+
+TEST_F(HtmlReport, HoldsTheMapAsAPicture) {
+  WriteMap();
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_LT(page.size(), 2'000'000u);
+  const std::string begin = "data:image/png;base64,";
+  const std::size_t at = page.find(begin) + begin.size();
+  ASSERT_NE(page.find(begin), std::string::npos);
+  DecodedPng png;
+  DecodePng(DecodeBase64(page.substr(at, page.find('"', at) - at)), &png);
+  EXPECT_GT(png.width, 100u);
+  EXPECT_GT(png.width, png.height);  // the room and the scans are wider than deep
+}
+
+TEST_F(HtmlReport, WithoutAMapStillHasThePlanOfTheScans) {
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, Not(HasSubstr("data:image")));
+  EXPECT_THAT(page, HasSubstr("<ellipse"));
+}
+
+TEST_F(HtmlReport, TextOfTheUserIsEscaped) {
+  nlohmann::json report = SampleReport();
+  const std::string evil = "<script>alert('x')</script>\"&";
+  report["name"] = evil;
+  report["scans"][0]["id"] = evil + "/000";
+  report["registrations"][1]["reason"] = evil;
+  report["registrations"][1]["target"] = evil + "/000";
+  report["registrations"][1]["status"] = evil;
+  report["warnings"] = {evil};
+  report["evaluation"][evil] = report["evaluation"]["ugv"];
+  report["stage_seconds"][evil] = 0.1;
+  report["planegraph"]["command"] = evil;
+  report["planegraph"]["flags"][evil] = evil;
+  report["configuration"] = {{evil, {{evil, {evil, nullptr}}}}};
+  const std::string page = ReportOf(report.dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&amp;"));
+}
+
+// Every value in turn missing, null, and of another type.
+void CollectPaths(const nlohmann::json& json, const nlohmann::json::json_pointer& at,
+                  std::vector<nlohmann::json::json_pointer>* paths) {
+  paths->push_back(at);
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) CollectPaths(value, at / key, paths);
+  } else if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) CollectPaths(json[i], at / i, paths);
+  }
+}
+
+TEST_F(HtmlReport, AnyValueMayBeMissingNullOrOdd) {
+  const nlohmann::json whole = SampleReport();
+  std::vector<nlohmann::json::json_pointer> paths;
+  CollectPaths(whole, nlohmann::json::json_pointer(), &paths);
+  ASSERT_GT(paths.size(), 150u);
+  for (const auto& path : paths) {
+    if (path.empty()) continue;
+    const std::vector<nlohmann::json> odd = {nullptr,    "text", -1e308, nlohmann::json::array(),
+                                             {{"a", 1}}, true};
+    for (const nlohmann::json& value : odd) {
+      nlohmann::json report = whole;
+      report[path] = value;
+      ASSERT_EQ(FirstFault(RenderReport(report, {})), "") << path << " " << value;
+    }
+    nlohmann::json report = whole;
+    if (report[path.parent_pointer()].is_object()) {
+      report[path.parent_pointer()].erase(path.back());
+      ASSERT_EQ(FirstFault(RenderReport(report, {})), "") << path;
+    }
+  }
+}
+
+TEST_F(HtmlReport, AnEmptyReportIsAReport) {
+  const std::string page = ReportOf("{}");
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, HasSubstr("The report lists no scans."));
+}
+
+TEST_F(HtmlReport, SaysWhatFailed) {
+  nlohmann::json report = SampleReport();
+  report["components"] = 2;
+  report["scans"][2]["component"] = 1;
+  report["solve"]["converged"] = false;
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, HasSubstr("verdict bad"));
+  EXPECT_THAT(page, HasSubstr("The 3 scans do not form one component but 2 (of 2, 1 scans)"));
+  EXPECT_THAT(page, HasSubstr("the solve did not converge"));
+}
+
+TEST_F(HtmlReport, LongTablesFoldUp) {
+  nlohmann::json report = SampleReport();
+  const std::string few = ReportOf(report.dump());
+  EXPECT_THAT(few, Not(HasSubstr("Table of all")));
+  for (int i = 0; i < 20; ++i) report["registrations"].push_back(report["registrations"][0]);
+  EXPECT_THAT(ReportOf(report.dump()), HasSubstr("<summary>Table of all 22 registrations"));
+}
+
+TEST_F(HtmlReport, BadFilesAreNamed) {
+  EXPECT_THROW(WriteHtmlReport(Path("")), InputError);
+  for (const char* text : {"", "{\"scans\": [", "[1, 2]", "nonsense"}) {
+    Write("report.json", text);
+    try {
+      WriteHtmlReport(Path(""));
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.file(), HasSubstr("report.json"));
+    }
+  }
+  Write("report.json", "{\"a\": }");
+  try {
+    WriteHtmlReport(Path(""));
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place(), "byte 7");
+  }
+  EXPECT_FALSE(std::filesystem::exists(Path("report.html")));
+}
+
+TEST_F(HtmlReport, ABadMapIsNamed) {
+  Write("report.json", "{}");
+  Write("map.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
+  try {
+    WriteHtmlReport(Path(""));
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.file(), HasSubstr("map.ply"));
+  }
+}
+
+}  // namespace
+}  // namespace planegraph
