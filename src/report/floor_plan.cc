@@ -14,7 +14,7 @@ constexpr std::size_t kMostPoints = 1500000;  ///< that are drawn of a map
 constexpr std::size_t kMostViewPoints = 100000;
 constexpr double kMostPixels = 1.2e6;
 constexpr double kLongestSide = 1600;
-constexpr double kLeastPixel = 0.06;  ///< metres; maps are thinned to about this
+constexpr double kLeastPixel = 0.05;  ///< metres; maps are thinned to about this
 
 std::size_t Stride(const Cloud& map, std::size_t most) { return 1 + map.size() / most; }
 
@@ -44,12 +44,22 @@ Span FilledSpan(const std::vector<double>& filled, Span span, double share) {
           span.low + cell * static_cast<double>(last)};
 }
 
-// Cuts off what little lies far out. Cells count by the root of their points: by the number alone
-// the surroundings of the scanners would be all there is.
+// Cuts off thin outskirts where they would take up much of the picture; else all but single points
+// is shown.
+Span WithoutOutskirts(const std::vector<double>& filled, Span span) {
+  constexpr double kStray = 0.002, kOutskirts = 0.015, kMuch = 0.25;
+  const Span outer = FilledSpan(filled, span, kStray);
+  const Span inner = FilledSpan(filled, span, kOutskirts);
+  const double much = kMuch * (inner.high - inner.low);
+  return {inner.low - outer.low > much ? inner.low : outer.low,
+          outer.high - inner.high > much ? inner.high : outer.high};
+}
+
+// Cells count by the root of their points: by the number alone the surroundings of the scanners
+// would be all there is.
 void TrimSpans(const std::vector<Eigen::Vector2d>& points, Span* across, Span* up) {
   constexpr int kCells = 200;
   constexpr int kLeastPoints = 3;
-  constexpr double kShare = 0.015;
   const Eigen::Array2d low(across->low, up->low);
   const Eigen::Array2d cell =
       (Eigen::Array2d(across->high, up->high) - low).max(1e-6) / static_cast<double>(kCells);
@@ -65,8 +75,8 @@ void TrimSpans(const std::vector<Eigen::Vector2d>& points, Span* across, Span* u
     rows[i / kCells] += std::sqrt(counts[i]);
   }
   if (*std::max_element(columns.begin(), columns.end()) == 0.0) return;
-  *across = FilledSpan(columns, *across, kShare);
-  *up = FilledSpan(rows, *up, kShare);
+  *across = WithoutOutskirts(columns, *across);
+  *up = WithoutOutskirts(rows, *up);
 }
 
 std::vector<Eigen::Vector2d> SamplePage(const Cloud& map, const PlanView& view) {
@@ -165,6 +175,7 @@ int FullLayers(const LayerGrid& grid, std::uint32_t mask) {
   std::vector<std::size_t> counts(33, 0);
   std::size_t total = 0;
   for (const std::uint32_t layers : grid.layers) {
+    if (layers == 0) continue;
     const int n = std::popcount(layers & mask);
     if (n < 2) continue;
     ++counts[n];
@@ -195,32 +206,41 @@ std::vector<Rgba> PlanPalette() {
   return palette;
 }
 
-// Box sums along one direction: out[i] = the sum of in[i - reach * step .. i + reach * step].
-void SumAlong(const std::vector<std::uint8_t>& in, std::size_t lines, std::size_t line_step,
-              std::size_t length, std::size_t step, std::vector<std::uint8_t>* out) {
-  constexpr std::ptrdiff_t kReach = 2;
-  const auto n = static_cast<std::ptrdiff_t>(length);
-  for (std::size_t line = 0; line < lines; ++line) {
-    const std::uint8_t* from = in.data() + line * line_step;
-    std::uint8_t* to = out->data() + line * line_step;
-    int sum = 0;
-    for (std::ptrdiff_t i = -kReach; i < n; ++i) {
-      if (i + kReach < n) sum += from[static_cast<std::size_t>(i + kReach) * step];
-      if (i > kReach) sum -= from[static_cast<std::size_t>(i - kReach - 1) * step];
-      if (i >= 0) to[static_cast<std::size_t>(i) * step] = static_cast<std::uint8_t>(sum);
+// Ones where a one lies within two rows and columns.
+std::vector<std::uint8_t> Dilate(const std::vector<std::uint8_t>& in, std::size_t width,
+                                 std::size_t height) {
+  constexpr std::size_t kReach = 2;
+  std::vector<std::uint8_t> across = in;
+  for (std::size_t row = 0; row < height; ++row) {
+    const std::uint8_t* from = in.data() + row * width;
+    std::uint8_t* to = across.data() + row * width;
+    for (std::size_t shift = 1; shift <= std::min(kReach, width - 1); ++shift) {
+      for (std::size_t i = shift; i < width; ++i) to[i] |= from[i - shift];
+      for (std::size_t i = shift; i < width; ++i) to[i - shift] |= from[i];
     }
   }
+  std::vector<std::uint8_t> out = across;
+  for (std::size_t shift = width; shift <= kReach * width && shift < out.size(); shift += width) {
+    for (std::size_t i = shift; i < out.size(); ++i) out[i] |= across[i - shift];
+    for (std::size_t i = shift; i < out.size(); ++i) out[i - shift] |= across[i];
+  }
+  return out;
 }
 
-// Seen is also what lies between pixels that are: scan lines far from the scanner leave gaps.
+std::vector<std::uint8_t> Inverse(std::vector<std::uint8_t> flags) {
+  for (std::uint8_t& flag : flags) flag ^= 1;
+  return flags;
+}
+
+// Seen is also what lies between pixels that are: scan lines far from the scanner leave gaps. A
+// morphological closing, so that nothing grows outwards.
 std::vector<std::uint8_t> SeenPixels(const LayerGrid& grid) {
-  constexpr std::uint8_t kLeastAround = 3;
-  std::vector<std::uint8_t> seen, rows(grid.layers.size()), box(grid.layers.size());
+  static_assert(kNothing == 0 && kSeen == 1);
+  std::vector<std::uint8_t> seen;
+  seen.reserve(grid.layers.size());
   for (const std::uint32_t layers : grid.layers) seen.push_back(layers != 0 ? 1 : 0);
-  SumAlong(seen, grid.height, grid.width, grid.width, 1, &rows);
-  SumAlong(rows, grid.width, 1, grid.height, grid.width, &box);
-  for (std::uint8_t& pixel : box) pixel = pixel >= kLeastAround ? kSeen : kNothing;
-  return box;
+  const auto grown = Dilate(seen, grid.width, grid.height);
+  return Inverse(Dilate(Inverse(grown), grid.width, grid.height));
 }
 
 std::uint8_t Shade(int layers, int full) {

@@ -25,6 +25,20 @@ std::string EdgeTitle(const Json& r) {
          ", residual " + FixedOrDash(NumberAt(r, {"rms"}), 1, 1000) + " mm";
 }
 
+// Scans that follow each other are joined by a line, others by an arc: edges along one line stay
+// apart.
+std::string EdgePath(const ReportScan& source, const ReportScan& target, const PlanFrame& frame) {
+  constexpr double kBend = 0.13;
+  const Eigen::Vector2d from = frame.Place(*source.position), to = frame.Place(*target.position);
+  const bool neighbours = std::abs(&source - &target) <= 1;
+  const Eigen::Vector2d along = to - from;
+  const double side = &source < &target ? 1.0 : -1.0;
+  const Eigen::Vector2d middle =
+      (from + to) / 2 + (neighbours ? 0.0 : side * kBend) * Eigen::Vector2d(-along.y(), along.x());
+  return "M" + Fixed(from.x(), 1) + " " + Fixed(from.y(), 1) + "Q" + Fixed(middle.x(), 1) + " " +
+         Fixed(middle.y(), 1) + " " + Fixed(to.x(), 1) + " " + Fixed(to.y(), 1);
+}
+
 std::string EdgesSvg(const ReportData& data, const PlanFrame& frame, bool used) {
   std::string svg;
   for (const Json& r : ListAt(*data.json, {"registrations"})) {
@@ -32,11 +46,8 @@ std::string EdgesSvg(const ReportData& data, const PlanFrame& frame, bool used) 
     const ReportScan* target = data.Find(TextAt(r, {"target"}));
     const ReportScan* source = data.Find(TextAt(r, {"source"}));
     if (!target || !source || !target->position || !source->position) continue;
-    const Eigen::Vector2d from = frame.Place(*source->position);
-    const Eigen::Vector2d to = frame.Place(*target->position);
-    svg += "<path class=\"edge " + EdgeClass(r) + "\" d=\"M" + Fixed(from.x(), 1) + " " +
-           Fixed(from.y(), 1) + "L" + Fixed(to.x(), 1) + " " + Fixed(to.y(), 1) + "\"><title>" +
-           Escape(EdgeTitle(r)) + "</title></path>\n";
+    svg += "<path class=\"edge " + EdgeClass(r) + "\" d=\"" + EdgePath(*source, *target, frame) +
+           "\"><title>" + Escape(EdgeTitle(r)) + "</title></path>\n";
   }
   return svg;
 }
@@ -53,7 +64,7 @@ std::string GraphLegend() {
 
 // The scans alone, with some room around them.
 PlanView ViewOfScans(const ReportData& data, const PlanView& plan) {
-  constexpr double kMargin = 0.06, kFlattest = 0.3;
+  constexpr double kMargin = 0.06, kFlattest = 0.3, kLeastShare = 0.4;
   PlanView view = plan;
   const auto positions = data.Positions();
   if (positions.empty()) return view;
@@ -62,9 +73,13 @@ PlanView ViewOfScans(const ReportData& data, const PlanView& plan) {
     view.low = view.low.cwiseMin(plan.OnPage(p.head<2>()));
     view.high = view.high.cwiseMax(plan.OnPage(p.head<2>()));
   }
-  const double longest = std::max(view.Extent().maxCoeff(), 1.0);
-  const Eigen::Array2d missing = (kFlattest * longest - view.Extent().array()).max(0.0);
-  const Eigen::Vector2d margin = kMargin * longest + missing / 2.0;
+  const double longest =
+      std::max({view.Extent().maxCoeff(), kLeastShare * plan.Extent().maxCoeff(), 1.0});
+  Eigen::Index wide = 0;
+  view.Extent().maxCoeff(&wide);
+  Eigen::Array2d least = Eigen::Array2d::Constant(kFlattest * longest);
+  least[wide] = longest;
+  const Eigen::Vector2d margin = kMargin * longest + (least - view.Extent().array()).max(0.0) / 2.0;
   view.low -= margin;
   view.high += margin;
   return view;

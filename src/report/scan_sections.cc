@@ -86,7 +86,7 @@ void AddScan(const ReportScan& scan, HtmlTable* table) {
       {TextOrDash(scan.id), GroupedOrDash(NumberAt(json, {"points"})),
        GroupedOrDash(NumberAt(json, {"points_filtered"})),
        GroupedOrDash(NumberAt(json, {"planes"})), PositionText(scan), SigmaText(scan, 0, 1000.0, 1),
-       SigmaText(scan, 3, kDegrees, 3), WeakestText(scan), SecondsText(json)},
+       SigmaText(scan, 3, kDegrees, 3), SecondsText(json), WeakestText(scan)},
       OpenDirections(json).empty() ? "" : "weak");
 }
 
@@ -112,17 +112,18 @@ std::string StatusText(const std::string& status) {
          Escape(status) + "</span>";
 }
 
+std::string UsedText(const std::optional<bool>& used) {
+  if (!used) return kDash;
+  return *used ? "yes" : "no";
+}
+
 void AddRegistration(const Json& r, HtmlTable* table) {
-  const auto used = FlagAt(r, {"used"});
   table->Row(
       {TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
        TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})), CorrespondencesText(r),
        FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0), FixedOrDash(NumberAt(r, {"quality"}), 2),
-       !used   ? kDash
-       : *used ? "yes"
-               : "no",
-       NoteText(r), FixedOrDash(NumberAt(r, {"seconds"}), 3)},
-      used.value_or(true) ? "" : "unused");
+       UsedText(FlagAt(r, {"used"})), FixedOrDash(NumberAt(r, {"seconds"}), 3), NoteText(r)},
+      FlagAt(r, {"used"}).value_or(true) ? "" : "unused");
 }
 
 }  // namespace
@@ -146,8 +147,8 @@ std::string ScansHtml(const ReportData& data) {
                    {"position x, y, z", "m"},
                    {"sigma", "mm"},
                    {"sigma", "deg"},
-                   {"weakest direction, and what holds it", "", false},
-                   {"time", "s"}});
+                   {"time", "s"},
+                   {"weakest direction, and what holds it", "", false}});
   for (const ReportScan& scan : data.scans) AddScan(scan, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
@@ -165,8 +166,8 @@ std::string RegistrationsHtml(const ReportData& data) {
                    {"residual", "mm"},
                    {"quality", ""},
                    {"used", "", false},
-                   {"note", "", false},
-                   {"time", "s"}});
+                   {"time", "s"},
+                   {"note", "", false}});
   for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
   return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
 }

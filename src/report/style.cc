@@ -9,6 +9,8 @@ const char* const kReportStyle = R"css(
   --good: #1a7f4b; --fair: #9a6200; --bad: #b3261e; --grid: #00000014; --halo: #ffffff;
   --upright: #141c28; --high: #6ba39d; --seen: #e2e5e8;
 }
+.r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; } .r2 { --robot: #8a3ffc; }
+.r3 { --robot: #00857a; } .r4 { --robot: #c2255c; } .r5 { --robot: #6b7280; }
 @media (prefers-color-scheme: dark) {
   :root {
     --page: #14181d; --card: #1e242b; --text: #e4e8ed; --quiet: #9aa6b3; --line: #343d47;
@@ -16,6 +18,8 @@ const char* const kReportStyle = R"css(
     --upright: #ebe3d7; --high: #5b948f; --seen: #2c3238;
   }
   .map { filter: invert(1) hue-rotate(180deg); }
+  .r0 { --robot: #4da3ff; } .r1 { --robot: #f0a050; } .r2 { --robot: #b794ff; }
+  .r3 { --robot: #3cc9b8; } .r4 { --robot: #ff7ba5; } .r5 { --robot: #aab2bf; }
 }
 * { box-sizing: border-box; }
 body {
@@ -47,7 +51,7 @@ table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabu
 th, td { padding: .3rem .55rem; text-align: left; vertical-align: top; }
 td { border-top: 1px solid var(--line); }
 td:not(:last-child) { white-space: nowrap; }
-td:last-child { min-width: 4rem; }
+td:last-child:not(.n) { min-width: 13rem; }
 thead th { vertical-align: bottom; font-weight: 600; line-height: 1.25; }
 th small { color: var(--quiet); font-weight: 400; }
 .n { text-align: right; white-space: nowrap; }
@@ -81,8 +85,6 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .scan { fill: var(--robot); stroke: var(--halo); stroke-width: 1.4; }
 .sigma { fill: var(--robot); fill-opacity: .2; stroke: var(--robot); stroke-width: 1; }
 .open { stroke: #d1242f; stroke-width: 2; stroke-dasharray: 6 4; }
-.r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; } .r2 { --robot: #8a3ffc; }
-.r3 { --robot: #00857a; } .r4 { --robot: #c2255c; } .r5 { --robot: #6b7280; }
 .upright { fill: var(--upright); } .high { fill: var(--high); } .seen { fill: var(--seen); }
 .edge { fill: none; stroke-width: 2; }
 .e0 { stroke: #1a9850; } .e1 { stroke: #4f9bd9; } .e2 { stroke: #e08214; } .e3 { stroke: #d1242f; }
@@ -92,7 +94,7 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .s4 { fill: #c8553d; } .s5 { fill: #7d8491; }
 @media (max-width: 40rem) {
   body { padding: .7rem; } h1 { font-size: 1.45rem; }
-  .figures { grid-template-columns: repeat(2, 1fr); }
+  .figures { grid-template-columns: repeat(2, 1fr); } svg.plan { font-size: 19px; }
 }
 @media print {
   :root {
@@ -100,7 +102,7 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
     --line: #bbb; --grid: #00000014; --halo: #fff; --upright: #141c28; --high: #6ba39d;
     --seen: #e2e5e8; --good: #1a7f4b; --fair: #9a6200; --bad: #b3261e;
   }
-  .map { filter: none; }
+  .map { filter: none; } .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 18cm; break-inside: avoid; }
   .scroll { overflow: visible; } tr, .figures div { break-inside: avoid; }
