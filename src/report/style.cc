@@ -71,7 +71,7 @@ ul.legend {
 }
 ul.legend li { display: flex; align-items: center; gap: .4rem; }
 svg.key { width: 28px; height: 14px; flex: none; }
-svg.plan { display: block; width: 100%; min-width: 40rem; height: auto; font-size: 12.5px; }
+svg.plan { display: block; width: 100%; max-width: calc(var(--w) * 1px); min-width: calc(var(--w) * .55px); height: auto; font-size: 12.5px; }
 svg.bar { display: block; width: 100%; height: 1.6rem; border-radius: 4px; }
 .grid { stroke: var(--grid); } .border { fill: none; stroke: var(--line); }
 .tick { fill: var(--quiet); }
@@ -104,7 +104,7 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
   }
   .map { filter: none; } .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; }
   body { max-width: none; padding: 0; font-size: 10pt; }
-  h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 18cm; break-inside: avoid; }
+  h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 13.5cm; break-inside: avoid; }
   .scroll { overflow: visible; } tr, .figures div { break-inside: avoid; }
   details::details-content { content-visibility: visible; display: block; }
   table { font-size: 7.5pt; } td:not(:last-child) { white-space: normal; }

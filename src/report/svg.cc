@@ -88,7 +88,7 @@ std::string SvgOpen(const PlanFrame& frame, const std::string& label) {
   const double height = PlanFrame::kTop + frame.height() + PlanFrame::kBottom;
   return "<div class=\"scroll\"><svg class=\"plan\" role=\"img\" aria-label=\"" + Escape(label) +
          "\" viewBox=\"0 0 " + Fixed(width, 1) + " " + Fixed(height, 1) +
-         "\" style=\"max-width:" + Fixed(1.04 * width, 0) + "px\">\n";
+         "\" style=\"--w:" + Fixed(1.04 * width, 0) + "\">\n";
 }
 
 std::string SvgClip(const PlanFrame& frame, const std::string& id, const std::string& content) {
