@@ -12,6 +12,9 @@
 namespace planegraph {
 namespace {
 
+// Boundary points look for planes in the 27 cells of this level about them: two finest edges.
+constexpr int kBoundaryLevel = 1;
+
 // One run of the segmentation: its steps in order.
 class Segmenter {
  public:
@@ -28,8 +31,11 @@ class Segmenter {
   void KeepLargeRegions();
   void LabelPlanarCells();
   void LabelBoundaryPoints();
-  std::vector<std::int32_t> SegmentsAround(int level, const Eigen::Vector3i& at) const;
-  void LabelRoughCell(std::uint32_t cell);
+  void CollectSegments(std::uint32_t index, std::vector<std::int32_t>* found) const;
+  std::vector<std::int32_t> SegmentsAround(std::uint32_t index) const;
+  bool IsRough(std::uint32_t finest) const;
+  void LabelRoughPoints(std::uint32_t first, std::uint32_t count,
+                        const std::vector<std::int32_t>& near);
   void BuildSegments();
   void CollectPatches();
 
@@ -67,32 +73,40 @@ void Segmenter::LabelPlanarCells() {
   }
 }
 
-std::vector<std::int32_t> Segmenter::SegmentsAround(int level, const Eigen::Vector3i& at) const {
+void AddUnique(std::int32_t segment, std::vector<std::int32_t>* list) {
+  if (segment < 0) return;
+  if (std::find(list->begin(), list->end(), segment) == list->end()) list->push_back(segment);
+}
+
+// The segments with a planar cell in, or around, a cell of the level that boundary points are
+// gathered by.
+void Segmenter::CollectSegments(std::uint32_t index, std::vector<std::int32_t>* found) const {
+  const std::int32_t owner = split_.owner[kBoundaryLevel][index];
+  if (owner >= 0) return AddUnique(segment_of_cell_[owner], found);
+  const auto& cell = octree_.Level(kBoundaryLevel)[index];
+  for (std::uint32_t k = 0; k < cell.child_count; ++k) {
+    const std::int32_t child = split_.owner[kBoundaryLevel - 1][cell.first_child + k];
+    if (child >= 0) AddUnique(segment_of_cell_[child], found);
+  }
+}
+
+std::vector<std::int32_t> Segmenter::SegmentsAround(std::uint32_t index) const {
   std::vector<std::int32_t> found;
+  const Eigen::Vector3i at = CellOctree::Coordinates(octree_.Level(kBoundaryLevel)[index].key);
   for (int k = 0; k < 27; ++k) {
-    const Eigen::Vector3i coordinates = at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-    const int cell = octree_.Find(level, coordinates);
-    if (cell < 0 || split_.owner[level][cell] < 0) continue;
-    const std::int32_t segment = segment_of_cell_[split_.owner[level][cell]];
-    if (segment >= 0 && std::find(found.begin(), found.end(), segment) == found.end()) {
-      found.push_back(segment);
-    }
+    const int cell = octree_.Find(
+        kBoundaryLevel, at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+    if (cell >= 0) CollectSegments(static_cast<std::uint32_t>(cell), &found);
   }
   return found;
 }
 
-// Points at the border of planes: each goes to the nearest plane that touches its cell, where the
-// noise allows it.
-void Segmenter::LabelRoughCell(std::uint32_t index) {
+// Points at the border of planes: each goes to the nearest plane about its cell, where the noise
+// allows it.
+void Segmenter::LabelRoughPoints(std::uint32_t first, std::uint32_t count,
+                                 const std::vector<std::int32_t>& near) {
   constexpr double kGate = 2.5;
-  const auto& cell = octree_.Level(0)[index];
-  std::vector<std::int32_t> near;
-  Eigen::Vector3i at = CellOctree::Coordinates(cell.key);
-  for (int level = 0; level < std::min(3, octree_.levels()) && near.empty(); ++level, at /= 2) {
-    near = SegmentsAround(level, at);
-  }
-  if (near.empty()) return;
-  for (std::uint32_t i = cell.first_point; i < cell.first_point + cell.point_count; ++i) {
+  for (std::uint32_t i = first; i < first + count; ++i) {
     const Eigen::Vector3d point = octree_.sorted_points()[i].cast<double>();
     double best = kGate;
     for (const std::int32_t s : near) {
@@ -104,11 +118,21 @@ void Segmenter::LabelRoughCell(std::uint32_t index) {
   }
 }
 
+bool Segmenter::IsRough(std::uint32_t finest) const {
+  const std::int32_t owner = split_.owner[0][finest];
+  return owner == CellSplit::kRough || (owner >= 0 && segment_of_cell_[owner] < 0);
+}
+
 void Segmenter::LabelBoundaryPoints() {
-  const auto& owners = split_.owner[0];
-  for (std::uint32_t c = 0; c < owners.size(); ++c) {
-    if (owners[c] == CellSplit::kRough || (owners[c] >= 0 && segment_of_cell_[owners[c]] < 0)) {
-      LabelRoughCell(c);
+  const auto& cells = octree_.Level(kBoundaryLevel);
+  for (std::uint32_t c = 0; c < cells.size(); ++c) {
+    std::optional<std::vector<std::int32_t>> near;  // looked up once for all finest cells in it
+    for (std::uint32_t k = cells[c].first_child; k < cells[c].first_child + cells[c].child_count;
+         ++k) {
+      if (!IsRough(k)) continue;
+      if (!near) near = SegmentsAround(c);
+      if (near->empty()) break;
+      LabelRoughPoints(octree_.Level(0)[k].first_point, octree_.Level(0)[k].point_count, *near);
     }
   }
 }

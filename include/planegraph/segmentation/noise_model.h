@@ -10,7 +10,8 @@
 namespace planegraph {
 
 /// Noise of a single laser point: along the beam it is constant + per_metre * range (metres); along
-/// the surface's normal its share by the cosine of the incidence angle remains.
+/// the surface's normal its share by the cosine of the incidence angle remains, and to it comes what
+/// the surfaces themselves deviate from planes.
 struct NoiseModel {
   double constant = 0.01;
   double per_metre = 0.0;
@@ -18,8 +19,10 @@ struct NoiseModel {
   static constexpr double kLeastCosine = 0.25;
 
   double AlongBeam(double range) const { return constant + per_metre * range; }
+  /// Plaster, concrete and paving are not flat to better than some millimetres.
+  static constexpr double kSurface = 0.003;
   double AlongNormal(double range, double cosine) const {
-    return AlongBeam(range) * std::max(std::abs(cosine), kLeastCosine);
+    return std::hypot(AlongBeam(range) * std::max(std::abs(cosine), kLeastCosine), kSurface);
   }
 };
 

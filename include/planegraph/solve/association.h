@@ -8,7 +8,7 @@
 namespace planegraph {
 
 struct AssociationOptions {
-  double radius = 1.5;         ///< metres: how far a landmark's surfaces lie from its seed
+  double radius = 0.8;         ///< metres: how far a landmark's surfaces lie from its seed
   double gate = 0.15;          ///< metres along the normal
   double least_cosine = 0.97;  ///< between normals that are one
   double floor_offset = 0.002;  ///< systematic error of an observation's height, metres
