@@ -206,24 +206,15 @@ std::vector<Rgba> PlanPalette() {
   return palette;
 }
 
-// Ones where a one lies within two rows and columns.
-std::vector<std::uint8_t> Dilate(const std::vector<std::uint8_t>& in, std::size_t width,
-                                 std::size_t height) {
-  constexpr std::size_t kReach = 2;
-  std::vector<std::uint8_t> across = in;
-  for (std::size_t row = 0; row < height; ++row) {
-    const std::uint8_t* from = in.data() + row * width;
-    std::uint8_t* to = across.data() + row * width;
-    for (std::size_t shift = 1; shift <= std::min(kReach, width - 1); ++shift) {
-      for (std::size_t i = shift; i < width; ++i) to[i] |= from[i - shift];
-      for (std::size_t i = shift; i < width; ++i) to[i - shift] |= from[i];
-    }
+// Ones where there is a one or one of the four neighbours is.
+std::vector<std::uint8_t> Grow(const std::vector<std::uint8_t>& in, std::size_t width) {
+  std::vector<std::uint8_t> out = in;
+  for (std::size_t first = 0; first < in.size(); first += width) {
+    for (std::size_t i = first + 1; i < first + width; ++i) out[i] |= in[i - 1];
+    for (std::size_t i = first + 1; i < first + width; ++i) out[i - 1] |= in[i];
   }
-  std::vector<std::uint8_t> out = across;
-  for (std::size_t shift = width; shift <= kReach * width && shift < out.size(); shift += width) {
-    for (std::size_t i = shift; i < out.size(); ++i) out[i] |= across[i - shift];
-    for (std::size_t i = shift; i < out.size(); ++i) out[i - shift] |= across[i];
-  }
+  for (std::size_t i = width; i < in.size(); ++i) out[i] |= in[i - width];
+  for (std::size_t i = width; i < in.size(); ++i) out[i - width] |= in[i];
   return out;
 }
 
@@ -235,12 +226,15 @@ std::vector<std::uint8_t> Inverse(std::vector<std::uint8_t> flags) {
 // Seen is also what lies between pixels that are: scan lines far from the scanner leave gaps. A
 // morphological closing, so that nothing grows outwards.
 std::vector<std::uint8_t> SeenPixels(const LayerGrid& grid) {
+  constexpr int kReach = 3;
   static_assert(kNothing == 0 && kSeen == 1);
   std::vector<std::uint8_t> seen;
   seen.reserve(grid.layers.size());
   for (const std::uint32_t layers : grid.layers) seen.push_back(layers != 0 ? 1 : 0);
-  const auto grown = Dilate(seen, grid.width, grid.height);
-  return Inverse(Dilate(Inverse(grown), grid.width, grid.height));
+  for (int i = 0; i < kReach; ++i) seen = Grow(seen, grid.width);
+  seen = Inverse(std::move(seen));
+  for (int i = 0; i < kReach; ++i) seen = Grow(seen, grid.width);
+  return Inverse(std::move(seen));
 }
 
 std::uint8_t Shade(int layers, int full) {
