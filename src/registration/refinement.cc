@@ -223,4 +223,41 @@ Refinement RefinePose(const ScanModel& target, const ScanModel& source,
   return Refiner(target, source, options, prior).Run(target_from_source);
 }
 
+double ObservedShare(const ScanModel& target, const ScanModel& source, const Refinement& refinement,
+                     const Eigen::Vector3d& direction, double shift,
+                     const RefinementOptions& options) {
+  constexpr double kCap = 9.0;  // of a normalized square: a surface without a partner costs as much
+  constexpr double kGate = 0.15, kLeastCosine = 0.97;
+  const Eigen::Matrix3d rotation = refinement.target_from_source.rotation.toRotationMatrix();
+  const double floor = std::pow(std::max(refinement.floor, options.floor_offset), 2);
+  const auto cost = [&](const Eigen::Vector3d& point, const Surfel& surfel, int partner) {
+    if (partner < 0) return kCap;
+    const Surfel& surface = target.map.surfels()[partner];
+    const double variance = surface.HeightVariance(point) + surfel.offset_variance + floor;
+    return std::min(kCap, std::pow(surface.normal.dot(point - surface.mean), 2) / variance);
+  };
+  double predicted = 0.0, actual = 0.0;
+  const auto& surfels = source.map.surfels();
+  const std::size_t stride = 1 + surfels.size() / std::max<std::size_t>(options.most_surfels, 1);
+  for (std::size_t i = 0; i < surfels.size(); i += stride) {
+    const Eigen::Vector3d normal = rotation * surfels[i].normal;
+    const Eigen::Vector3d point =
+        rotation * surfels[i].mean + refinement.target_from_source.translation;
+    const int partner = target.map.Find(point, normal, kGate, kLeastCosine);
+    if (partner < 0) continue;
+    const double here = cost(point, surfels[i], partner);
+    for (const double step : {-shift, shift}) {
+      const Eigen::Vector3d moved = point + step * direction;
+      // A surface that leaves what the target saw says nothing: only another surface or the same
+      // one counts, or free space.
+      const int found = target.map.Find(moved, normal, kGate, kLeastCosine);
+      predicted += cost(moved, surfels[i], partner) - here;
+      if (found >= 0 || std::abs(normal.dot(direction)) > 0.5) {
+        actual += cost(moved, surfels[i], found) - here;
+      }
+    }
+  }
+  return predicted > 0.0 ? actual / predicted : 1.0;
+}
+
 }  // namespace planegraph

@@ -68,17 +68,42 @@ Eigen::Matrix3d TranslationInformation(const Matrix6d& information) {
   return information.topLeftCorner<3, 3>() - cross * rotation.ldlt().solve(cross.transpose());
 }
 
-void AddOpenTranslations(const Refinement& refinement, double limit,
+// The direction that the surfaces face least; the covariance's own axis leans to it under what
+// translation and rotation share.
+Eigen::Vector3d LeastFaced(const Matrix6d& information, const Eigen::Vector3d& axis) {
+  constexpr double kNear = 0.94;  // 20 degrees
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      Eigen::Matrix3d(information.topLeftCorner<3, 3>()));
+  const Eigen::Vector3d least = eigen.eigenvectors().col(0);
+  if (std::abs(least.dot(axis)) < kNear) return axis;
+  return least.dot(axis) < 0 ? Eigen::Vector3d(-least) : least;
+}
+
+bool IsFaked(const ScanModel& target, const ScanModel& source, const Refinement& refinement,
+             const Eigen::Vector3d& axis, double sigma, const RegistrationOptions& options) {
+  constexpr double kLeastShare = 0.3;
+  const Eigen::Matrix3d information = TranslationInformation(refinement.information);
+  if (axis.dot(information * axis) <= 9.0 * axis.dot(refinement.spurious * axis)) return true;
+  const double shift = std::clamp(4.0 * sigma, 0.1, 0.4);
+  return ObservedShare(target, source, refinement, axis, shift, options.refinement) < kLeastShare;
+}
+
+void AddOpenTranslations(const ScanModel& target, const ScanModel& source,
+                         const Refinement& refinement, const RegistrationOptions& options,
                          std::vector<UnobservedDirection>* found) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       Eigen::Matrix3d(refinement.covariance.topLeftCorner<3, 3>()));
-  const Eigen::Matrix3d information = TranslationInformation(refinement.information);
   for (int k = 2; k >= 0; --k) {
-    const Eigen::Vector3d axis = eigen.eigenvectors().col(k);
     const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
-    const bool faked = axis.dot(information * axis) <= 9.0 * axis.dot(refinement.spurious * axis);
-    if (faked) found->push_back(MakeOpen(0, axis, INFINITY));
-    if (!faked && sigma > limit) found->push_back(MakeOpen(0, axis, sigma));
+    const Eigen::Vector3d axis = LeastFaced(refinement.information, eigen.eigenvectors().col(k));
+    // Better observed axes than one that is observed need no look.
+    if (IsFaked(target, source, refinement, axis, sigma, options)) {
+      found->push_back(MakeOpen(0, axis, INFINITY));
+    } else if (sigma > options.weak_translation) {
+      found->push_back(MakeOpen(0, axis, sigma));
+    } else {
+      break;
+    }
   }
 }
 
@@ -123,13 +148,14 @@ void Decide(const RegistrationOptions& options, Registration* result) {
   }
 }
 
-Registration Finish(Candidate best, double runner_up, const RegistrationOptions& options) {
+Registration Finish(const ScanModel& target, const ScanModel& source, Candidate best,
+                    double runner_up, const RegistrationOptions& options) {
   Registration result;
   result.refinement = std::move(best.refinement);
   result.support = best.support;
   result.quality = best.quality;
   result.runner_up = runner_up;
-  result.unobserved = FindUnobserved(result.refinement, options);
+  result.unobserved = FindUnobserved(target, source, result.refinement, options);
   Decide(options, &result);
   return result;
 }
@@ -154,10 +180,11 @@ double Quality(const Support& support) {
   return std::max(0.0, support.Score()) * support.WorstDirection();
 }
 
-std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
+std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const ScanModel& source,
+                                                const Refinement& refinement,
                                                 const RegistrationOptions& options) {
   std::vector<UnobservedDirection> found;
-  AddOpenTranslations(refinement, options.weak_translation, &found);
+  AddOpenTranslations(target, source, refinement, options, &found);
   AddOpenRotations(refinement, options.weak_rotation, &found);
   return found;
 }
@@ -179,14 +206,15 @@ Registration Register(const ScanModel& target, const ScanModel& source,
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.quality > b.quality; });
   const double runner_up = RunnerUp(candidates);
-  return Finish(std::move(candidates[0]), runner_up, options);
+  return Finish(target, source, std::move(candidates[0]), runner_up, options);
 }
 
 Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,
                                const PosePrior& guess, const RegistrationOptions& options) {
   Refinement refinement =
       RefinePose(target, source, guess.target_from_source, options.refinement, guess);
-  return Finish(Evaluate(target, source, std::move(refinement), options), 0.0, options);
+  return Finish(target, source, Evaluate(target, source, std::move(refinement), options), 0.0,
+                options);
 }
 
 }  // namespace planegraph

@@ -59,4 +59,12 @@ Refinement RefinePose(const ScanModel& target, const ScanModel& source,
                       const Rigid3& target_from_source, const RefinementOptions& options = {},
                       const std::optional<PosePrior>& prior = {});
 
+/// Whether a direction of translation (unit, target's axes) is really observed: the cost that rises
+/// when the pose is shifted by +-`shift` metres along it and every surface looks for its partner
+/// anew, as a share of the rise that the linearized information predicts. Near one where surfaces
+/// face along the direction; near zero where only the noise of many normals does, as in a corridor.
+double ObservedShare(const ScanModel& target, const ScanModel& source, const Refinement& refinement,
+                     const Eigen::Vector3d& direction, double shift,
+                     const RefinementOptions& options = {});
+
 }  // namespace planegraph

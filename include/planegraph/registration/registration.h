@@ -38,9 +38,11 @@ struct Registration {
 /// violate free space, times the agreement in the worst direction.
 double Quality(const Support& support);
 
-/// Directions that the information leaves open: where the standard deviation is above the limits,
-/// or where noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2).
-std::vector<UnobservedDirection> FindUnobserved(const Refinement& refinement,
+/// Directions that the surfaces leave open: where the standard deviation is above the limits, where
+/// noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2), or where the
+/// cost does not rise as the information predicts (ObservedShare).
+std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const ScanModel& source,
+                                                const Refinement& refinement,
                                                 const RegistrationOptions& options);
 
 /// Registers without a guess: hypotheses, refinement of each, and a decision by evidence. Says
