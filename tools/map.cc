@@ -9,6 +9,7 @@
 #include "planegraph/base/error.h"
 #include "planegraph/pipeline/mapper.h"
 #include "planegraph/pipeline/outputs.h"
+#include "planegraph/report/html_report.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
 
@@ -49,6 +50,7 @@ void WriteReport(const MapResult& result, const MapOptions& options, const std::
   report["planegraph"] = VersionStamp();
   report["seconds"] = SecondsSinceStart();
   WriteTextFile(folder + "/report.json", report.dump(1) + "\n");
+  WriteHtmlReport(folder);
   WriteTextFile(folder + "/run.flags", gflags::CommandlineFlagsIntoString());
   if (FLAGS_json) std::cout << report.dump() << "\n";
 }
