@@ -93,8 +93,10 @@ int Run(const std::vector<std::string>& arguments) {
   options.progress = ProgressLine();
   const Site site = ReadSite(arguments[0]);
   CreateFolder(FLAGS_output_dir);
-  const MapResult result = MapScans(site, options);
+  MapResult result = MapScans(site, options);
+  const double before = SecondsSinceStart();
   WriteOutputs(result, {FLAGS_output_dir, FLAGS_map_voxel, FLAGS_threads});
+  result.seconds.output = SecondsSinceStart() - before;
   WriteReport(result, options, FLAGS_output_dir);
   if (WantsText()) PrintSummary(result, FLAGS_output_dir);
   return ExitCode(result);
