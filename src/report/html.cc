@@ -49,9 +49,9 @@ std::string FixedOrDash(const std::optional<double>& value, int decimals, double
 }
 
 std::string Significant(double value, int digits) {
-  if (value == 0.0) return "0";
+  if (value == 0.0 || !std::isfinite(value)) return Fixed(value, 0);
   const double magnitude = std::floor(std::log10(std::abs(value)));
-  if (std::isfinite(value) && (magnitude < -5 || magnitude > 8)) {
+  if (magnitude < -5 || magnitude > 8) {
     char buffer[64];
     const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value,
                                    std::chars_format::scientific, digits - 1)

@@ -25,6 +25,7 @@ TEST(Html, NumbersAreRoundedAndNeverNegativeZero) {
 
 TEST(Html, SignificantDigits) {
   EXPECT_EQ(Significant(0.0, 3), "0");
+  EXPECT_EQ(Significant(std::numeric_limits<double>::infinity(), 3), "∞");
   EXPECT_EQ(Significant(1234.6, 2), "1235");  // no digit before the point is dropped
   EXPECT_EQ(Significant(0.01234, 2), "0.012");
   EXPECT_EQ(Significant(1.5e-9, 2), "1.5e-09");
