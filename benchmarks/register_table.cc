@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/io/trajectory_io.h"
@@ -31,7 +32,7 @@ struct Tally {
 PlaneSet Segment(const std::string& path) {
   const Cloud cloud = ReadCloud(path);
   std::vector<std::uint32_t> used;
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+  for (const std::uint32_t i : UnsaturatedReturns(cloud)) {
     if ((cloud.Position(i) - cloud.viewpoint).norm() >= kMinRange) used.push_back(i);
   }
   return SegmentPlanes(Select(cloud, used)).planes;

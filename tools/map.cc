@@ -57,10 +57,13 @@ void WriteReport(const MapResult& result, const MapOptions& options, const std::
 
 void PrintEvaluation(const nlohmann::json& evaluation) {
   for (const auto& [robot, e] : evaluation.items()) {
-    std::printf("%s against its reference: ATE %.4f m (%s), RPE %.4f m / %.3f deg\n", robot.c_str(),
-                e["ate"]["rmse"].get<double>(), e["ate"]["alignment"].get<std::string>().c_str(),
-                e["rpe"]["rmse"].get<double>(),
-                e["rpe"]["rotation"]["rmse"].get<double>() * 57.29577951308232);
+    std::printf("%s against its reference: ATE %.4f m (%s)", robot.c_str(),
+                e["ate"]["rmse"].get<double>(), e["ate"]["alignment"].get<std::string>().c_str());
+    if (e.contains("rpe")) {
+      std::printf(", RPE %.4f m / %.3f deg", e["rpe"]["rmse"].get<double>(),
+                  e["rpe"]["rotation"]["rmse"].get<double>() * 57.29577951308232);
+    }
+    std::printf("\n");
   }
 }
 

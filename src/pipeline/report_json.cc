@@ -43,21 +43,23 @@ Json UnobservedJson(const std::vector<UnobservedDirection>& unobserved) {
 
 Json ScanJson(const MapResult& result, std::size_t i) {
   const ScanRecord& scan = result.scans[i];
-  Json json = {{"id", scan.id},
-               {"points", scan.points},
-               {"points_filtered", scan.points_filtered},
-               {"planes", scan.planes.planes.size()},
-               {"patches", scan.planes.patches.size()},
-               {"noise", {{"constant", scan.planes.noise.constant},
-                          {"per_metre", scan.planes.noise.per_metre}}},
-               {"seconds", {{"read", scan.seconds_read},
-                            {"preprocess", scan.seconds_preprocess},
-                            {"segment", scan.seconds_segment}}},
-               {"world_from_scan", PoseJson(result.solution.world_from_scan[i])},
-               {"component", result.component[i]},
-               {"covariance", nullptr},
-               {"unobserved", Json::array()},
-               {"anchored_to", Json::array()}};
+  Json json = {
+      {"id", scan.id},
+      {"points", scan.points},
+      {"points_filtered", scan.points_filtered},
+      {"planes", scan.planes.planes.size()},
+      {"patches", scan.planes.patches.size()},
+      {"noise",
+       {{"constant", scan.planes.noise.constant}, {"per_metre", scan.planes.noise.per_metre}}},
+      {"seconds",
+       {{"read", scan.seconds_read},
+        {"preprocess", scan.seconds_preprocess},
+        {"segment", scan.seconds_segment}}},
+      {"world_from_scan", PoseJson(result.solution.world_from_scan[i])},
+      {"component", result.component[i]},
+      {"covariance", nullptr},
+      {"unobserved", Json::array()},
+      {"anchored_to", Json::array()}};
   if (i < result.covariances.size()) json["covariance"] = MatrixJson(result.covariances[i]);
   if (i < result.unobserved.size()) json["unobserved"] = UnobservedJson(result.unobserved[i]);
   return json;
@@ -140,6 +142,7 @@ Json EvaluationJson(const MapResult& result, std::size_t robot) {
   const AteResult ate = AteOrFirst(pairs);
   Json json = {{"ate", ErrorsJson(ate.errors)}};
   json["ate"]["alignment"] = Name(ate.alignment);
+  if (pairs.estimate.size() < 2) return json;  // no step to measure
   const RpeResult rpe = ComputeRpe(pairs, {});
   json["rpe"] = ErrorsJson(rpe.errors);
   json["rpe"]["delta"] = 1;
@@ -147,6 +150,21 @@ Json EvaluationJson(const MapResult& result, std::size_t robot) {
   json["rpe"]["pairs"] = "consecutive";
   json["rpe"]["pairs_from"] = "reference";
   return json;
+}
+
+// A reference that does not fit must not cost the run its report.
+void Evaluate(const MapResult& result, std::size_t robot, Json* report) {
+  const std::string& name = result.site.robots[robot].name;
+  const auto warn = [&](const std::exception& error) {
+    (*report)["warnings"].push_back("no evaluation of " + name + ": " + error.what());
+  };
+  try {
+    (*report)["evaluation"][name] = EvaluationJson(result, robot);
+  } catch (const NoResultError& error) {
+    warn(error);
+  } catch (const InputError& error) {
+    warn(error);
+  }
 }
 
 std::uint64_t PeakMemoryBytes() {
@@ -158,22 +176,17 @@ std::uint64_t PeakMemoryBytes() {
 }  // namespace
 
 std::string ReportJson(const MapResult& result, const MapOptions& options) {
-  Json report = {{"name", result.site.name},
-                 {"origin", nullptr},
-                 {"scans", Json::array()},
-                 {"registrations", Json::array()},
-                 {"maps", Json::array()},
-                 {"solve", SolveJson(result, options)},
-                 {"evaluation", Json::object()},
-                 {"components", result.components},
+  Json report = {{"name", result.site.name},     {"origin", nullptr},
+                 {"scans", Json::array()},       {"registrations", Json::array()},
+                 {"maps", Json::array()},        {"solve", SolveJson(result, options)},
+                 {"evaluation", Json::object()}, {"components", result.components},
                  {"warnings", result.warnings}};
   for (std::size_t i = 0; i < result.scans.size(); ++i) {
     report["scans"].push_back(ScanJson(result, i));
   }
   for (const auto& pair : result.pairs) report["registrations"].push_back(PairJson(result, pair));
   for (std::size_t r = 0; r < result.site.robots.size(); ++r) {
-    if (result.site.robots[r].reference.empty()) continue;
-    report["evaluation"][result.site.robots[r].name] = EvaluationJson(result, r);
+    if (!result.site.robots[r].reference.empty()) Evaluate(result, r, &report);
   }
   report["stage_seconds"] = {{"front_end", result.seconds.front_end},
                              {"registration", result.seconds.pairing},

@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <set>
@@ -19,7 +20,8 @@ namespace fs = std::filesystem;
 // Reads nodes of one file; every complaint names its line.
 class SiteReader {
  public:
-  explicit SiteReader(const std::string& path) : path_(path), folder_(fs::path(path).parent_path()) {}
+  explicit SiteReader(const std::string& path)
+      : path_(path), folder_(fs::path(path).parent_path()) {}
 
   Site Read();
 
@@ -31,7 +33,8 @@ class SiteReader {
   void AllowKeys(const YAML::Node& map, const std::set<std::string>& keys) const;
   template <typename T>
   T Value(const YAML::Node& node, const std::string& what) const;
-  std::string Text(const YAML::Node& map, const std::string& key, const std::string& fallback) const;
+  std::string Text(const YAML::Node& map, const std::string& key,
+                   const std::string& fallback) const;
   std::string File(const YAML::Node& map, const std::string& key) const;
   std::vector<double> Numbers(const YAML::Node& node, std::size_t count,
                               const std::string& what) const;
@@ -39,6 +42,8 @@ class SiteReader {
   std::vector<std::string> FilesInFolder(const fs::path& folder, const std::string& format) const;
   std::optional<Trajectory> Odometry(const YAML::Node& robot, const RobotSite& site) const;
   StartPose Start(const YAML::Node& node) const;
+  std::string Format(const YAML::Node& robot) const;
+  void CheckFilter(const YAML::Node& node, const FilterStep& step) const;
   std::vector<FilterStep> Filters(const YAML::Node& node) const;
   RobotSite Robot(const YAML::Node& node) const;
   DroneMapSite Map(const YAML::Node& node) const;
@@ -95,6 +100,8 @@ std::vector<double> SiteReader::Numbers(const YAML::Node& node, std::size_t coun
   if (values.size() != count) {
     Fail(node, what + " needs " + std::to_string(count) + " numbers");
   }
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!std::all_of(values.begin(), values.end(), finite)) Fail(node, what + " is not finite");
   return values;
 }
 
@@ -152,6 +159,15 @@ std::optional<Trajectory> SiteReader::Odometry(const YAML::Node& robot,
   return odometry;
 }
 
+std::string SiteReader::Format(const YAML::Node& robot) const {
+  static const std::set<std::string> kFormats = {"auto", "3dtk", "ply", "pcd", "xyz"};
+  const std::string format = Text(robot, "format", "auto");
+  if (!kFormats.count(format)) {
+    Fail(robot["format"], "unknown format '" + format + "' (auto, 3dtk, ply, pcd, xyz)");
+  }
+  return format;
+}
+
 StartPose SiteReader::Start(const YAML::Node& node) const {
   AllowKeys(node, {"translation", "rotation", "sigma_translation", "sigma_rotation_deg"});
   StartPose start;
@@ -171,13 +187,21 @@ StartPose SiteReader::Start(const YAML::Node& node) const {
     start.sigma_translation = Value<double>(node["sigma_translation"], "sigma_translation");
   }
   if (node["sigma_rotation_deg"]) {
-    start.sigma_rotation = Value<double>(node["sigma_rotation_deg"], "sigma_rotation_deg") *
-                           std::numbers::pi / 180.0;
+    start.sigma_rotation =
+        Value<double>(node["sigma_rotation_deg"], "sigma_rotation_deg") * std::numbers::pi / 180.0;
   }
   if (!(start.sigma_translation > 0) || !(start.sigma_rotation > 0)) {
     Fail(node, "standard deviations must be positive");
   }
   return start;
+}
+
+void SiteReader::CheckFilter(const YAML::Node& node, const FilterStep& step) const {
+  try {
+    FilterChain({step});
+  } catch (const UsageError& error) {
+    Fail(node, error.what());
+  }
 }
 
 std::vector<FilterStep> SiteReader::Filters(const YAML::Node& node) const {
@@ -187,12 +211,14 @@ std::vector<FilterStep> SiteReader::Filters(const YAML::Node& node) const {
     if (!item.IsMap() || item.size() != 1) Fail(item, "a filter is one `name: {parameters}`");
     FilterStep step{item.begin()->first.as<std::string>(), {}};
     const YAML::Node parameters = item.begin()->second;
-    if (parameters.IsMap()) {
-      for (const auto& p : parameters) {
-        step.parameters[p.first.as<std::string>()] =
-            Value<double>(p.second, step.name + "." + p.first.as<std::string>());
-      }
+    if (!parameters.IsMap() && !parameters.IsNull()) {
+      Fail(item, step.name + " needs its parameters by name: {" + step.name + ": {key: value}}");
     }
+    for (const auto& p : parameters) {
+      step.parameters[p.first.as<std::string>()] =
+          Value<double>(p.second, step.name + "." + p.first.as<std::string>());
+    }
+    CheckFilter(item, step);
     steps.push_back(std::move(step));
   }
   return steps;
@@ -205,11 +231,12 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   if (robot.name.empty() || robot.name.find('/') != std::string::npos) {
     Fail(node, "a robot needs a `name` without a slash");
   }
-  robot.format = Text(node, "format", "auto");
+  robot.format = Format(node);
   robot.scans = Scans(node, robot.format);
   robot.odometry = Odometry(node, robot);
   if (node["start"]) robot.start = Start(node["start"]);
   robot.reference = File(node, "reference");
+  if (!robot.reference.empty()) ReadTrajectory(robot.reference);  // a bad one shows before the run
   if (node["filters"]) robot.filters = Filters(node["filters"]);
   return robot;
 }
@@ -238,6 +265,7 @@ Site SiteReader::Read() {
     if (!names.insert(site.robots.back().name).second) Fail(node, "this robot's name is taken");
   }
   if (root["maps"]) {
+    if (!root["maps"].IsSequence()) Fail(root["maps"], "`maps` is a list");
     for (const auto& node : root["maps"]) site.maps.push_back(Map(node));
   }
   return site;

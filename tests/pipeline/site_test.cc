@@ -1,0 +1,199 @@
+#include "planegraph/pipeline/site.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "io/test_files.h"
+#include "planegraph/io/trajectory_io.h"
+
+namespace planegraph {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+constexpr char kPose[] = "0 0 0 0 0 0 0 1\n";
+
+class SiteFile : public TestFolder {
+ protected:
+  SiteFile() {
+    for (const char* scan : {"scans/b.xyz", "scans/a.xyz", "scans/c.xyz"}) Write(scan, "1 2 3\n");
+  }
+
+  // The complaint about a site file with this text: of that line of it, and with these words.
+  void ExpectError(const std::string& text, const std::string& place, const std::string& words) {
+    SCOPED_TRACE(text);
+    const std::string path = Write("site.yaml", text);
+    try {
+      ReadSite(path);
+      FAIL() << "no error";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.file(), path);
+      EXPECT_EQ(error.place(), place);
+      EXPECT_THAT(error.reason(), HasSubstr(words));
+    }
+  }
+};
+
+TEST_F(SiteFile, ReadsEveryKey) {
+  Write("odometry.tum", "1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0 1\n3.5 2 0 0 0 0 0 1\n");
+  Write("truth.tum", kPose);
+  const Site site = ReadSite(Write("site.yaml", R"(name: barn
+robots:
+  - name: ugv
+    scans: scans/*.xyz
+    format: xyz
+    odometry: odometry.tum
+    start: {translation: [1, 2, 3], rotation: [0, 0, 1, 0], sigma_translation: 0.5, sigma_rotation_deg: 18}
+    reference: truth.tum
+    filters: [{range: {min: 1, max: 20}}, {voxel: {size: 0.1}}]
+)"));
+  EXPECT_EQ(site.name, "barn");
+  ASSERT_EQ(site.robots.size(), 1u);
+  const RobotSite& robot = site.robots[0];
+  EXPECT_EQ(robot.name, "ugv");
+  EXPECT_EQ(robot.format, "xyz");
+  EXPECT_THAT(robot.scans, ElementsAre(EndsWith("a.xyz"), EndsWith("b.xyz"), EndsWith("c.xyz")));
+  ASSERT_TRUE(robot.odometry.has_value());
+  EXPECT_THAT(robot.odometry->times, ElementsAre(1.5, 2.5, 3.5));
+  ASSERT_TRUE(robot.start.has_value());
+  EXPECT_EQ(robot.start->world_from_scan.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(robot.start->world_from_scan.rotation.z(), 1.0);
+  EXPECT_EQ(robot.start->sigma_translation, 0.5);
+  EXPECT_NEAR(robot.start->sigma_rotation, std::numbers::pi / 10, 1e-15);
+  EXPECT_THAT(robot.reference, EndsWith("truth.tum"));
+  ASSERT_EQ(robot.filters.size(), 2u);
+  EXPECT_EQ(robot.filters[0].name, "range");
+  EXPECT_EQ(robot.filters[0].parameters.at("max"), 20.0);
+  EXPECT_EQ(robot.filters[1].parameters.at("size"), 0.1);
+}
+
+TEST_F(SiteFile, TheNameIsTheFilesWithoutOne) {
+  EXPECT_EQ(ReadSite(Write("barn.yaml", "robots: [{name: a, scans: scans}]")).name, "barn");
+}
+
+TEST_F(SiteFile, AFolderIsReadInOrderOfNames) {
+  Write("scans/notes.md", "no scan");
+  const Site site = ReadSite(Write("site.yaml", "robots: [{name: a, scans: scans}]"));
+  EXPECT_THAT(site.robots[0].scans,
+              ElementsAre(EndsWith("a.xyz"), EndsWith("b.xyz"), EndsWith("c.xyz")));
+}
+
+TEST_F(SiteFile, PosesBesideScansAreTheOdometry) {
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "dtk/scan00" + std::to_string(i);
+    Write(name + ".3d", "100 0 0\n");
+    Write3dtkPose(Path(name + ".pose"), {Eigen::Quaterniond::Identity(), {0.5 * i, 0, 0}});
+  }
+  const Site site = ReadSite(Write("site.yaml", "robots: [{name: a, scans: dtk, format: 3dtk}]"));
+  ASSERT_TRUE(site.robots[0].odometry.has_value());
+  EXPECT_FALSE(site.robots[0].odometry->has_times);
+  EXPECT_NEAR(site.robots[0].odometry->poses[2].translation.x(), 1.0, 1e-12);
+}
+
+TEST_F(SiteFile, AMissingFileIsNamed) {
+  try {
+    ReadSite(Path("none.yaml"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.file(), Path("none.yaml"));
+  }
+}
+
+TEST_F(SiteFile, WhatIsNoSite) {
+  ExpectError("robots: [\n", "2", "YAML");
+  ExpectError("name: a\n\tb: c\n", "2", "YAML");
+  ExpectError("just words\n", "1", "not a site");
+  ExpectError("", "1", "not a site");
+  ExpectError("name: a\n", "1", "robots");
+  ExpectError("name: a\nrobots: []\n", "1", "robots");
+  ExpectError("name: [a, b]\nrobots: []\n", "1", "name");
+  ExpectError("robots:\n  - just words\n", "2", "key");
+}
+
+TEST_F(SiteFile, UnknownKeysAreNamedWithTheirLine) {
+  ExpectError("robots:\n  - name: a\n    scans: scans\nspeed: 3\n", "4", "'speed'");
+  ExpectError("robots:\n  - name: a\n    scan: scans\n", "3", "'scan'");
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    start: {yaw: 3}\n", "4", "'yaw'");
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  - name: m\n    points: p\n", "5",
+              "'points'");
+}
+
+TEST_F(SiteFile, RobotsNeedNamesOfTheirOwnAndScans) {
+  ExpectError("robots:\n  - scans: scans\n", "2", "name");
+  ExpectError("robots:\n  - name: a/b\n    scans: scans\n", "2", "slash");
+  ExpectError("robots:\n  - name: a\n", "2", "scans");
+  ExpectError("robots:\n  - {name: a, scans: scans}\n  - {name: a, scans: scans}\n", "3", "taken");
+}
+
+TEST_F(SiteFile, FilesThatAreNotThere) {
+  ExpectError("robots:\n  - name: a\n    scans: scans/*.ply\n", "3", "no scan");
+  ExpectError("robots:\n  - name: a\n    scans: nowhere\n", "3", "no scan");
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    odometry: o.tum\n", "4", "odometry");
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    reference: r.tum\n", "4", "reference");
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  - name: m\n    cloud: m.ply\n", "5",
+              "cloud");
+}
+
+TEST_F(SiteFile, ABadReferenceShowsBeforeTheRun) {
+  const std::string bad = Write("truth.tum", "0 0 0 0 0 0 0 1\n1 x 0 0 0 0 0 1\n");
+  try {
+    ReadSite(Write("site.yaml", "robots: [{name: a, scans: scans, reference: truth.tum}]"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.file(), bad);
+    EXPECT_EQ(error.place(), "2");
+  }
+}
+
+TEST_F(SiteFile, OdometryOfAnotherLength) {
+  Write("odometry.tum", kPose);
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    odometry: odometry.tum\n", "4",
+              "1 poses, but there are 3 scans");
+}
+
+TEST_F(SiteFile, StartsThatMakeNoSense) {
+  const auto start = [](const std::string& text) {
+    return "robots:\n  - name: a\n    scans: scans\n    start: {" + text + "}\n";
+  };
+  ExpectError(start("rotation: [0, 0, 0, 2]"), "4", "unit");
+  ExpectError(start("rotation: [0, 0, 0, 0]"), "4", "unit");
+  ExpectError(start("rotation: [0, 0, .nan, 1]"), "4", "rotation");
+  ExpectError(start("rotation: [0, 0, 1]"), "4", "4 numbers");
+  ExpectError(start("translation: [0, 0]"), "4", "3 numbers");
+  ExpectError(start("translation: [0, .inf, 0]"), "4", "translation");
+  ExpectError(start("translation: far"), "4", "translation");
+  ExpectError(start("sigma_translation: 0"), "4", "positive");
+  ExpectError(start("sigma_rotation_deg: -3"), "4", "positive");
+  ExpectError(start("sigma_rotation_deg: .nan"), "4", "positive");
+}
+
+TEST_F(SiteFile, FiltersThatMakeNoSense) {
+  const auto filters = [](const std::string& text) {
+    return "robots:\n  - name: a\n    scans: scans\n    filters: " + text + "\n";
+  };
+  ExpectError(filters("{range: {min: 1}}"), "4", "list");
+  ExpectError(filters("[range]"), "4", "parameters");
+  ExpectError(filters("[{range: 5}]"), "4", "range");
+  ExpectError(filters("[{range: {min: near}}]"), "4", "range.min");
+  ExpectError(filters("[{smooth: {}}]"), "4", "smooth");
+  ExpectError(filters("[{range: {least: 1}}]"), "4", "least");
+  ExpectError(filters("[{voxel: {size: -1}}]"), "4", "size");
+}
+
+TEST_F(SiteFile, AnUnknownFormat) {
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    format: las\n", "4", "las");
+}
+
+TEST_F(SiteFile, MapsAreAList) {
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  name: m\n", "4", "maps");
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps: 3\n", "3", "maps");
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  - cloud: scans/a.xyz\n", "4", "name");
+  ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  - name: m\n", "4", "cloud");
+}
+
+}  // namespace
+}  // namespace planegraph
