@@ -45,7 +45,8 @@ Progress ProgressLine() {
   };
 }
 
-void WriteReport(const MapResult& result, const MapOptions& options, const std::string& folder) {
+nlohmann::json WriteReport(const MapResult& result, const MapOptions& options,
+                           const std::string& folder) {
   nlohmann::json report = nlohmann::json::parse(ReportJson(result, options));
   report["planegraph"] = VersionStamp();
   report["seconds"] = SecondsSinceStart();
@@ -53,6 +54,7 @@ void WriteReport(const MapResult& result, const MapOptions& options, const std::
   WriteHtmlReport(folder);
   WriteTextFile(folder + "/run.flags", gflags::CommandlineFlagsIntoString());
   if (FLAGS_json) std::cout << report.dump() << "\n";
+  return report;
 }
 
 void PrintEvaluation(const nlohmann::json& evaluation) {
@@ -67,20 +69,21 @@ void PrintEvaluation(const nlohmann::json& evaluation) {
   }
 }
 
-void PrintSummary(const MapResult& result, const std::string& folder) {
+void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::size_t used = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
   std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
               result.scans.size(), used, result.pairs.size(), result.components,
               result.components == 1 ? "" : "s", SecondsSinceStart());
-  const auto report = nlohmann::json::parse(ReadTextFile(folder + "/report.json"));
   PrintEvaluation(report["evaluation"]);
-  std::printf("results: %s\n", folder.c_str());
+  std::printf("results: %s\n", FLAGS_output_dir.c_str());
 }
 
 // All scans in one component is what the map was asked for.
-int ExitCode(const MapResult& result) {
-  for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
+int ExitCode(const MapResult& result, const nlohmann::json& report) {
+  for (const auto& warning : report["warnings"]) {
+    std::cerr << "warning: " << warning.get<std::string>() << "\n";
+  }
   if (result.components <= 1 && result.site.maps.empty()) return 0;
   if (result.components > 1) {
     std::cerr << "error: the scans do not form one component but " << result.components
@@ -100,9 +103,9 @@ int Run(const std::vector<std::string>& arguments) {
   const double before = SecondsSinceStart();
   WriteOutputs(result, {FLAGS_output_dir, FLAGS_map_voxel, FLAGS_threads});
   result.seconds.output = SecondsSinceStart() - before;
-  WriteReport(result, options, FLAGS_output_dir);
-  if (WantsText()) PrintSummary(result, FLAGS_output_dir);
-  return ExitCode(result);
+  const nlohmann::json report = WriteReport(result, options, FLAGS_output_dir);
+  if (WantsText()) PrintSummary(result, report);
+  return ExitCode(result, report);
 }
 
 }  // namespace

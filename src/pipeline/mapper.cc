@@ -16,8 +16,7 @@ class Lap {
  public:
   explicit Lap(double* seconds) : seconds_(seconds) {}
   ~Lap() {
-    *seconds_ +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
 
  private:
@@ -52,8 +51,8 @@ std::vector<ScanModel> MakeModels(const std::vector<ScanRecord>& scans, int thre
 std::vector<Rigid3> RegisterScans(const MapOptions& options, MapResult* result) {
   const std::vector<ScanModel> models = MakeModels(result->scans, options.threads);
   options.progress("registration", 0.0);
-  result->pairs = RegisterChain(models, result->scans, result->odometry, options.registration,
-                                options.threads);
+  result->pairs =
+      RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
   CalibrateOdometry(result->pairs, &result->odometry);
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
@@ -90,6 +89,7 @@ void Check(const Site& site, const MapOptions& options, MapResult* result) {
       options.optimizer != "none") {
     throw UsageError("unknown optimizer '" + options.optimizer + "' (graph, metascan, none)");
   }
+  BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);  // throws for an unknown one
   if (!site.maps.empty()) {
     result->warnings.push_back("drone maps are not used by this version: laser scans only");
   }
@@ -116,8 +116,7 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   result.solution.world_from_scan = start;
   if (options.optimizer == "graph") {
     Lap lap(&result.seconds.solve);
-    result.solution =
-        SolveJointly(result.scans, result.pairs, result.odometry, start, options);
+    result.solution = SolveJointly(result.scans, result.pairs, result.odometry, start, options);
   }
   if (options.optimizer == "metascan") {
     Lap lap(&result.seconds.solve);

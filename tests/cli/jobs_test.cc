@@ -1,0 +1,201 @@
+// Whole jobs of the built tool on small simulated sites: exit codes, messages, files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "cli/tool_runner.h"
+#include "io/test_files.h"
+
+namespace planegraph::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class Jobs : public TestFolder {
+ protected:
+  // A simulated site of coarse scans; returns its site file.
+  std::string Simulate(const std::string& scene, int scans) {
+    const Outcome outcome =
+        RunTool("simulate --quiet --scene=" + scene + " --scan_count=" + std::to_string(scans) +
+                " --beams=271 --sweeps=90 --output_dir=" + Path(scene));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Path(scene) + "/site.yaml";
+  }
+  // A site whose scans hold a handful of points: for what fails before it looks at them.
+  std::string Tiny(const std::string& more = "") {
+    Write("scans/a.xyz", "1 2 3\n4 5 6\n");
+    return Write("tiny.yaml", "robots: [{name: a, scans: scans}]\n" + more);
+  }
+  Outcome Map(const std::string& site, const std::string& flags = "") {
+    return RunTool("map " + site + " --output_dir=" + Path("out") + " " + flags);
+  }
+};
+
+TEST_F(Jobs, MapWritesItsFiles) {
+  const std::string site = Simulate("corridor", 8);
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("8 scans"));
+  EXPECT_THAT(outcome.out, HasSubstr("1 component"));
+  EXPECT_THAT(outcome.out, HasSubstr("robot1 against its reference: ATE"));
+  EXPECT_THAT(outcome.err, IsEmpty());
+  for (const char* name : {"trajectory_robot1.tum", "frames/robot1/scan000.frames",
+                           "frames/robot1/scan002.frames", "graph.g2o", "planes/robot1_001.json",
+                           "map.ply", "report.json", "report.html", "run.flags"}) {
+    EXPECT_TRUE(fs::is_regular_file(Path("out") + "/" + name)) << name;
+  }
+  // Its own results are what the other commands take.
+  const std::string planes = Path("out") + "/planes/robot1_00";
+  const Outcome same = RunTool("register --json " + planes + "1.json " + planes + "0.json");
+  EXPECT_EQ(same.exit_code, 3) << same.err;  // a corridor looks alike from both of its ends
+  EXPECT_NE(nlohmann::json::parse(same.out)["status"], "ok");
+  EXPECT_EQ(RunTool("evaluate --quiet --align=first --reference=" + Path("corridor/truth.tum") +
+                    " --estimate=" + Path("out/graph.g2o"))
+                .exit_code,
+            0);
+}
+
+TEST_F(Jobs, MapAsJsonIsTheReport) {
+  const Outcome outcome = Map(Simulate("hall", 2), "--json --optimizer=none");
+  const auto printed = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(printed, nlohmann::json::parse(ReadTextFile(Path("out/report.json"))));
+  EXPECT_EQ(printed["solve"]["optimizer"], "none");
+  EXPECT_EQ(printed["scans"].size(), 2u);
+}
+
+TEST_F(Jobs, QuietMapSaysNothing) {
+  const Outcome outcome = Map(Simulate("corridor", 8), "--quiet --optimizer=none");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, IsEmpty());
+}
+
+TEST_F(Jobs, AnOutputFolderThatCannotBeMadeIsBadInput) {
+  const Outcome outcome = RunTool("map " + Tiny() + " --output_dir=/proc/nowhere");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: /proc/nowhere"));
+}
+
+TEST_F(Jobs, ASiteFilesErrorNamesItsLine) {
+  const std::string site = Write("bad.yaml", "name: a\nrobot: []\n");
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: " + site + ":2: unknown key 'robot'"));
+  EXPECT_FALSE(fs::exists(Path("out")));
+}
+
+TEST_F(Jobs, AScanThatCannotBeReadIsNamed) {
+  const std::string site = Tiny();
+  const std::string scan = Write("scans/a.xyz", "1 2 3\n4 five 6\n");
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: " + scan + ":2:"));
+  EXPECT_FALSE(fs::exists(Path("out/report.json")));
+}
+
+TEST_F(Jobs, UnknownNamesAreWrongUsage) {
+  for (const char* flags : {"--optimizer=simplex", "--loss=parabola", "--loss=huber:-1",
+                            "--plane_factor=none_such", "--plane_factor=relative_pose"}) {
+    const Outcome outcome = Map(Tiny(), flags);
+    EXPECT_EQ(outcome.exit_code, 1) << flags;
+    EXPECT_THAT(outcome.err, StartsWith("error: ")) << flags;
+    EXPECT_THAT(outcome.out, IsEmpty()) << flags;
+  }
+}
+
+TEST_F(Jobs, ScansThatDoNotFitTogetherAreNoFullResult) {
+  const std::string site = Simulate("corridor", 2);
+  Simulate("yard", 1);
+  fs::copy_file(Path("yard/scans/scan000.ply"), Path("corridor/scans/scan001.ply"),
+                fs::copy_options::overwrite_existing);
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("do not form one component but 2"));
+  EXPECT_EQ(nlohmann::json::parse(ReadTextFile(Path("out/report.json")))["components"], 2);
+}
+
+TEST_F(Jobs, DroneMapsAreLeftOutWithAWarning) {
+  const std::string site = Simulate("corridor", 2);
+  std::ofstream(site, std::ios::app) << "maps: [{name: roof, cloud: scans/scan000.ply}]\n";
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, StartsWith("warning: drone maps"));
+  EXPECT_TRUE(fs::exists(Path("out/trajectory_robot1.tum")));
+}
+
+TEST_F(Jobs, AReferenceThatDoesNotFitIsAWarning) {
+  const std::string site = Simulate("corridor", 8);
+  Write("corridor/truth.tum", "9000 0 0 0 0 0 0 1\n9001 0 0 0 0 0 0 1\n");
+  const Outcome outcome = Map(site);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, StartsWith("warning: no evaluation of robot1"));
+}
+
+TEST_F(Jobs, UnrelatedCloudsDoNotRegister) {
+  Simulate("hall", 1);
+  Simulate("corridor", 1);
+  const Outcome outcome = RunTool("register --json " + Path("hall/scans/scan000.ply") + " " +
+                                  Path("corridor/scans/scan000.ply"));
+  EXPECT_EQ(outcome.exit_code, 3);
+  const auto result = nlohmann::json::parse(outcome.out);
+  EXPECT_NE(result["status"], "ok");
+  EXPECT_NE(result["reason"], "");
+}
+
+TEST_F(Jobs, ACloudRegistersToItself) {
+  Simulate("hall", 1);
+  const std::string scan = Path("hall/scans/scan000.ply");
+  const Outcome outcome = RunTool("register --json " + scan + " " + scan);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto result = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(result["status"], "ok");
+  for (const double t : result["target_from_source"]["translation"]) EXPECT_NEAR(t, 0.0, 1e-3);
+}
+
+TEST_F(Jobs, SegmentWithoutAPlaneIsNoResult) {
+  std::string points;
+  for (int i = 0; i < 20; ++i)
+    points += std::to_string(7 * i % 11) + " " + std::to_string(5 * i % 13) + " 3\n";
+  const Outcome outcome =
+      RunTool("segment " + Write("few.xyz", points) + " --output=" + Path("planes.json"));
+  EXPECT_EQ(outcome.exit_code, 3);
+  const auto planes = nlohmann::json::parse(ReadTextFile(Path("planes.json")));
+  EXPECT_THAT(planes["planes"], IsEmpty());
+  EXPECT_NE(planes["reason"], "");
+}
+
+TEST_F(Jobs, SegmentOfAnEmptyFileIsBadInput) {
+  const std::string cloud = Write("empty.ply", "");
+  const Outcome outcome = RunTool("segment " + cloud + " --output=" + Path("planes.json"));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: " + cloud + ":"));
+  EXPECT_FALSE(fs::exists(Path("planes.json")));
+}
+
+TEST_F(Jobs, AnOutputThatCannotBeWrittenIsBadInput) {
+  Simulate("corridor", 1);
+  const Outcome outcome = RunTool("segment " + Path("corridor/scans/scan000.ply") +
+                                  " --output=/proc/nowhere/planes.json");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("/proc/nowhere/planes.json"));
+}
+
+TEST_F(Jobs, PositionsOnALineHaveNoAlignment) {
+  const std::string line = Write("line.tum",
+                                 "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n"
+                                 "3 3 0 0 0 0 0 1\n");
+  const std::string both = "evaluate --reference=" + line + " --estimate=" + line;
+  EXPECT_EQ(RunTool(both + " --align=se3").exit_code, 3);
+  EXPECT_EQ(RunTool(both + " --align=first").exit_code, 0);
+  EXPECT_EQ(RunTool(both + " --align=crooked").exit_code, 1);
+}
+
+}  // namespace
+}  // namespace planegraph::cli
