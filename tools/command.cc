@@ -31,7 +31,9 @@ nlohmann::json ChangedFlags() {
   std::vector<gflags::CommandLineFlagInfo> all;
   gflags::GetAllFlags(&all);
   for (const auto& flag : all) {
-    if (!flag.is_default && flag.name != "flagfile") flags[flag.name] = flag.current_value;
+    // Only flags of our own: glog's are set by the tool itself.
+    const bool ours = flag.filename.find("tools/") != std::string::npos;
+    if (ours && !flag.is_default) flags[flag.name] = flag.current_value;
   }
   return flags;
 }
@@ -49,6 +51,17 @@ void RequireFlag(const std::string& name) {
   if (gflags::GetCommandLineOption(name.c_str(), &value) && value.empty()) {
     throw UsageError("the flag --" + name + " is missing");
   }
+}
+
+std::string FlagFile(std::vector<std::string> flags) {
+  flags.insert(flags.end(), {"threads", "seed"});
+  std::string text;
+  for (const auto& name : flags) {
+    std::string value;
+    if (gflags::GetCommandLineOption(name.c_str(), &value))
+      text += "--" + name + "=" + value + "\n";
+  }
+  return text;
 }
 
 double SecondsSinceStart() {

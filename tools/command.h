@@ -27,6 +27,10 @@ void RequireFlag(const std::string& name);
 /// writes it to --output where `write_output` is set and the flag given, and to stdout with --json.
 void EmitResult(nlohmann::json result, bool write_output);
 
+/// The flags with their values, one a line, as --flagfile reads them: `flags` and the common ones
+/// that decide on the result.
+std::string FlagFile(std::vector<std::string> flags);
+
 /// Seconds since the program started.
 double SecondsSinceStart();
 /// The version stamp that every JSON result carries.

@@ -22,6 +22,9 @@ DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
 
 namespace planegraph::tools {
+
+Command MapCommand();
+
 namespace {
 
 MapOptions OptionsFromFlags() {
@@ -52,7 +55,7 @@ nlohmann::json WriteReport(const MapResult& result, const MapOptions& options,
   report["seconds"] = SecondsSinceStart();
   WriteTextFile(folder + "/report.json", report.dump(1) + "\n");
   WriteHtmlReport(folder);
-  WriteTextFile(folder + "/run.flags", gflags::CommandlineFlagsIntoString());
+  WriteTextFile(folder + "/run.flags", FlagFile(MapCommand().flags));
   if (FLAGS_json) std::cout << report.dump() << "\n";
   return report;
 }
@@ -79,15 +82,23 @@ void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::printf("results: %s\n", FLAGS_output_dir.c_str());
 }
 
+bool Converged(const MapResult& result) {
+  return FLAGS_optimizer != "graph" || result.solution.summary.converged;
+}
+
 // All scans in one component is what the map was asked for.
 int ExitCode(const MapResult& result, const nlohmann::json& report) {
   for (const auto& warning : report["warnings"]) {
     std::cerr << "warning: " << warning.get<std::string>() << "\n";
   }
-  if (result.components <= 1 && result.site.maps.empty()) return 0;
+  if (result.components <= 1 && result.site.maps.empty() && Converged(result)) return 0;
   if (result.components > 1) {
     std::cerr << "error: the scans do not form one component but " << result.components
               << ": see the registrations in the report\n";
+  }
+  if (!Converged(result)) {
+    std::cerr << "error: the joint solve did not come to rest: its last step moved a scan by "
+              << result.solution.last_move << " m\n";
   }
   return 3;
 }

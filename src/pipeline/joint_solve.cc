@@ -12,8 +12,8 @@ namespace planegraph {
 namespace {
 
 constexpr double kFirstGate = 0.25, kLastGate = 0.05;  // metres
-constexpr double kFloorGate = 4.0;     // the last gate is at least this many noise floors
-constexpr double kHoldSigma = 1e-3;    // metres: how tightly odometry holds an open direction
+constexpr double kFloorGate = 4.0;   // the last gate is at least this many noise floors
+constexpr double kHoldSigma = 1e-3;  // metres: how tightly odometry holds an open direction
 const double kAcross = std::sin(3.0 * 3.14159265358979 / 180.0);
 
 double MedianOf(std::vector<double> values, double fallback) {
@@ -124,9 +124,8 @@ std::vector<std::vector<Eigen::Vector3d>> OpenDirections(const std::vector<PairR
   const auto meet = [&](std::size_t scan, const std::vector<Eigen::Vector3d>& directions) {
     if (first[scan]) open[scan] = directions;
     std::erase_if(open[scan], [&](const Eigen::Vector3d& v) {
-      return std::none_of(directions.begin(), directions.end(), [&](const Eigen::Vector3d& w) {
-        return std::abs(v.dot(w)) > 0.98;
-      });
+      return std::none_of(directions.begin(), directions.end(),
+                          [&](const Eigen::Vector3d& w) { return std::abs(v.dot(w)) > 0.98; });
     });
     first[scan] = false;
   };
@@ -211,10 +210,10 @@ std::vector<Rigid3> SolveRelativePoses(const std::vector<PairRecord>& pairs,
   Graph graph = PosesOnly(start, Components(start.size(), pairs));
   for (const auto& pair : pairs) {
     if (!pair.used) continue;
-    PoseFactor factor = MakeRelativePose(
-        static_cast<int>(pair.target), static_cast<int>(pair.source),
-        pair.registration.target_from_source(),
-        PositiveInverse(pair.registration.refinement.covariance), "registration");
+    PoseFactor factor =
+        MakeRelativePose(static_cast<int>(pair.target), static_cast<int>(pair.source),
+                         pair.registration.target_from_source(),
+                         PositiveInverse(pair.registration.refinement.covariance), "registration");
     factor.robust = true;
     graph.pose_factors.push_back(factor);
   }
@@ -240,6 +239,8 @@ JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
   const auto sets = PlaneSets(scans);
   AssociationOptions association = FirstRound(pairs);
   const double last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
+  // Below what the scans disagree by, a pose's move means nothing.
+  const double stable = std::max(options.stable, association.floor_offset);
   bool last = false;
   for (solution.rounds = 0; solution.rounds < options.most_rounds && !last; ++solution.rounds) {
     Graph graph = PosesOnly(solution.world_from_scan, component);
@@ -249,7 +250,7 @@ JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
     solution.summary = Solve(&graph, RoundOptions(options, false));
     const std::vector<Rigid3> moved = PosesOf(graph);
     const double move = LargestMove(moved, solution.world_from_scan);
-    last = association.gate <= last_gate && move < options.stable;
+    last = association.gate <= last_gate && move < stable;
     solution.world_from_scan = moved;
     solution.graph = std::move(graph);
     association.gate = std::max(last_gate, 0.4 * association.gate);
@@ -258,6 +259,10 @@ JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
   const double initial_cost = solution.summary.initial_cost;
   solution.summary = Solve(&solution.graph, RoundOptions(options, true));
   solution.summary.initial_cost = initial_cost;
+  solution.last_move = LargestMove(PosesOf(solution.graph), solution.world_from_scan);
+  // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses
+  // rest.
+  solution.summary.converged |= solution.last_move < stable;
   solution.world_from_scan = PosesOf(solution.graph);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;

@@ -31,9 +31,9 @@ void WriteTrajectories(const MapResult& result, const std::string& folder) {
       if (result.scans[i].robot != r) continue;
       trajectory.times.push_back(result.scans[i].time);
       trajectory.poses.push_back(result.solution.world_from_scan[i]);
-      Write3dtkFrames(folder + "/frames/" + robot + "/scan" + Number(result.scans[i].index) +
-                          ".frames",
-                      trajectory.poses.back());
+      Write3dtkFrames(
+          folder + "/frames/" + robot + "/scan" + Number(result.scans[i].index) + ".frames",
+          trajectory.poses.back());
     }
     WriteTum(folder + "/trajectory_" + robot + ".tum", trajectory);
   }
@@ -87,9 +87,9 @@ void WritePlaneFiles(const MapResult& result, const OutputOptions& options) {
   CreateFolder(folder);
   ParallelFor(result.scans.size(), options.threads, [&](std::size_t i) {
     const ScanRecord& scan = result.scans[i];
-    WritePlanes(folder + "/" + result.site.robots[scan.robot].name + "_" + Number(scan.index) +
-                    ".json",
-                scan.planes);
+    WritePlanes(
+        folder + "/" + result.site.robots[scan.robot].name + "_" + Number(scan.index) + ".json",
+        scan.planes);
   });
 }
 

@@ -27,11 +27,9 @@ bool Usable(const Registration& r) {
   return r.status == RegistrationStatus::kOk || r.status == RegistrationStatus::kDegenerate;
 }
 
-// The prior of odometry only matters where the surfaces leave something open; elsewhere even a wrong
-// one must not pull.
-PosePrior WeakPrior(const Rigid3& guess) {
-  return {guess, 1e4 * Matrix6d::Identity()};
-}
+// The prior of odometry only matters where the surfaces leave something open; elsewhere even a
+// wrong one must not pull.
+PosePrior WeakPrior(const Rigid3& guess) { return {guess, 1e4 * Matrix6d::Identity()}; }
 
 Registration RegisterStep(const ScanModel& target, const ScanModel& source,
                           const OdometryStep* odometry, const RegistrationOptions& options) {
@@ -53,8 +51,8 @@ const OdometryStep* FindStep(const std::vector<OdometryStep>& steps, std::size_t
 void HoldOpenDirections(const ScanModel& target, const ScanModel& source, const OdometryStep& step,
                         const RegistrationOptions& options, Registration* registration) {
   if (registration->unobserved.empty()) return;
-  Registration held = RegisterFromGuess(
-      target, source, {step.target_from_source, step.covariance}, options);
+  Registration held =
+      RegisterFromGuess(target, source, {step.target_from_source, step.covariance}, options);
   held.unobserved = registration->unobserved;
   for (auto& open : held.unobserved) open.held_by = "odometry";
   held.status = registration->status;

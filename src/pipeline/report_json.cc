@@ -94,6 +94,7 @@ Json SolveJson(const MapResult& result, const MapOptions& options) {
           {"final_cost", s.summary.final_cost},
           {"iterations", s.summary.iterations},
           {"rounds", s.rounds},
+          {"last_move", s.last_move},
           {"converged", s.summary.converged},
           {"landmarks", s.graph.planes.size()},
           {"observations", observations},

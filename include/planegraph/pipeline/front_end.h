@@ -10,7 +10,7 @@ namespace planegraph {
 
 /// One scan after the front end: its planes, not its points.
 struct ScanRecord {
-  std::string id;      ///< ROBOT/NNN
+  std::string id;  ///< ROBOT/NNN
   std::string file;
   std::size_t robot = 0, index = 0;
   double time = 0.0;  ///< of the odometry line; without odometry the index

@@ -22,8 +22,9 @@ struct MapOptions {
   SegmentationOptions segmentation;
   RegistrationOptions registration;
   std::size_t neighbours_per_scan = 4;
-  int most_rounds = 6;          ///< of association and solve
-  double stable = 5e-4;         ///< metres: a round that moves no pose farther is the last
+  int most_rounds = 6;  ///< of association and solve
+  double stable =
+      5e-4;  ///< metres, or the scans' noise floor: a round that moves no pose farther is the last
   Progress progress = [](const std::string&, double) {};
 };
 
@@ -34,6 +35,7 @@ struct JointSolution {
   SolveSummary summary;
   double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
   int rounds = 0;
+  double last_move = 0.0;  ///< metres: how far the last solve moved a pose at most
   double seconds = 0.0;
 };
 

@@ -8,7 +8,8 @@ namespace planegraph {
 
 struct OutputOptions {
   std::string folder;
-  double map_voxel = 0.05;  ///< metres: of each scan the first point of a voxel stays; 0: all points
+  double map_voxel =
+      0.05;  ///< metres: of each scan the first point of a voxel stays; 0: all points
   int threads = 0;
 };
 

@@ -42,8 +42,8 @@ std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
                                       const std::vector<OdometryStep>& odometry,
                                       const RegistrationOptions& options, int threads);
 
-/// Registers pairs of scans that are no neighbours in time but see the same surfaces under the given
-/// poses: loops, and the rest of the neighbourhood. At most `most_per_scan` for each scan.
+/// Registers pairs of scans that are no neighbours in time but see the same surfaces under the
+/// given poses: loops, and the rest of the neighbourhood. At most `most_per_scan` for each scan.
 std::vector<PairRecord> RegisterNeighbours(const std::vector<ScanModel>& models,
                                            const std::vector<Rigid3>& world_from_scan,
                                            const std::vector<PairRecord>& known,

@@ -33,7 +33,8 @@ struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
 };
 
-/// A site file: what `planegraph map` works on. Paths are absolute or relative to the working folder.
+/// A site file: what `planegraph map` works on. Paths are absolute or relative to the working
+/// folder.
 struct Site {
   std::string name;
   std::vector<RobotSite> robots;
