@@ -65,9 +65,8 @@ std::vector<std::uint32_t> PointsToUse(const Cloud& cloud, CloudKind kind) {
     indices.resize(cloud.size());
     std::iota(indices.begin(), indices.end(), 0u);
   }
-  std::erase_if(indices, [&](std::uint32_t i) {
-    return (cloud.points[i] - sensor).norm() < least;
-  });
+  std::erase_if(indices,
+                [&](std::uint32_t i) { return (cloud.points[i] - sensor).norm() < least; });
   return indices;
 }
 

@@ -94,8 +94,8 @@ std::vector<std::int32_t> Segmenter::SegmentsAround(std::uint32_t index) const {
   std::vector<std::int32_t> found;
   const Eigen::Vector3i at = CellOctree::Coordinates(octree_.Level(kBoundaryLevel)[index].key);
   for (int k = 0; k < 27; ++k) {
-    const int cell = octree_.Find(
-        kBoundaryLevel, at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+    const int cell =
+        octree_.Find(kBoundaryLevel, at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
     if (cell >= 0) CollectSegments(static_cast<std::uint32_t>(cell), &found);
   }
   return found;

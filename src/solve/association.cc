@@ -86,15 +86,15 @@ class Associator {
   std::unique_ptr<Buckets> buckets_;
 };
 
-Associator::Associator(const std::vector<const PlaneSet*>& scans,
-                       const std::vector<Rigid3>& poses, const AssociationOptions& options)
+Associator::Associator(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
+                       const AssociationOptions& options)
     : scans_(scans), poses_(poses), options_(options) {
   for (std::size_t s = 0; s < scans.size(); ++s) {
     for (std::size_t i = 0; i < scans[s]->patches.size(); ++i) {
       const Patch& patch = scans[s]->patches[i];
       patches_.push_back({poses[s] * patch.moments.mean, poses[s].rotation * patch.normal,
-                          patch.size * std::sqrt(patch.moments.count),
-                          static_cast<std::int32_t>(s), static_cast<std::int32_t>(i)});
+                          patch.size * std::sqrt(patch.moments.count), static_cast<std::int32_t>(s),
+                          static_cast<std::int32_t>(i)});
     }
   }
   std::stable_sort(patches_.begin(), patches_.end(),

@@ -4,8 +4,9 @@
 
 namespace planegraph {
 
-/// Drops the points that some scanners return where nothing came back: a spike of points at the very
-/// largest range with hardly any just before it. Keeps the order. No spike: nothing is dropped.
+/// Drops the points that some scanners return where nothing came back: a spike of points at the
+/// very largest range with hardly any just before it. Keeps the order. No spike: nothing is
+/// dropped.
 Cloud DropSaturatedReturns(Cloud cloud);
 
 /// Indices of the points that DropSaturatedReturns keeps, ascending.

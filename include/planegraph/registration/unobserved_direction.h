@@ -10,7 +10,8 @@ namespace planegraph {
 struct UnobservedDirection {
   Eigen::Matrix<double, 6, 1> direction =
       Eigen::Matrix<double, 6, 1>::Zero();  ///< unit; x y z rx ry rz
-  double sigma = 0.0;   ///< standard deviation with everything that is known; infinity: nothing holds it
+  double sigma =
+      0.0;  ///< standard deviation with everything that is known; infinity: nothing holds it
   std::string held_by;  ///< what holds it most: odometry, icp, prior; empty: nothing
 };
 

@@ -10,8 +10,8 @@
 namespace planegraph {
 
 /// Noise of a single laser point: along the beam it is constant + per_metre * range (metres); along
-/// the surface's normal its share by the cosine of the incidence angle remains, and to it comes what
-/// the surfaces themselves deviate from planes.
+/// the surface's normal its share by the cosine of the incidence angle remains, and to it comes
+/// what the surfaces themselves deviate from planes.
 struct NoiseModel {
   double constant = 0.01;
   double per_metre = 0.0;

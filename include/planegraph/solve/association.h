@@ -8,19 +8,19 @@
 namespace planegraph {
 
 struct AssociationOptions {
-  double radius = 0.8;         ///< metres: how far a landmark's surfaces lie from its seed
-  double gate = 0.15;          ///< metres along the normal
-  double least_cosine = 0.97;  ///< between normals that are one
-  double floor_offset = 0.002;  ///< systematic error of an observation's height, metres
-  double floor_tilt = 0.0005;   ///< of its normal, radians
+  double radius = 0.8;               ///< metres: how far a landmark's surfaces lie from its seed
+  double gate = 0.15;                ///< metres along the normal
+  double least_cosine = 0.97;        ///< between normals that are one
+  double floor_offset = 0.002;       ///< systematic error of an observation's height, metres
+  double floor_tilt = 0.0005;        ///< of its normal, radians
   double correlation_length = 0.05;  ///< metres: nearer points do not count as independent
 };
 
 /// Landmarks from the planar patches of all scans under the given poses: patches of at least two
-/// scans that lie in one plane within a small neighbourhood. Every patch is in at most one landmark,
-/// and the patches of one scan in a landmark merge to one observation, so nothing is counted twice.
-/// Walls and floors become many small landmarks: none has to be flat over its whole length. The
-/// landmarks do not depend on the order of the scans but through ties of equal seeds.
+/// scans that lie in one plane within a small neighbourhood. Every patch is in at most one
+/// landmark, and the patches of one scan in a landmark merge to one observation, so nothing is
+/// counted twice. Walls and floors become many small landmarks: none has to be flat over its whole
+/// length. The landmarks do not depend on the order of the scans but through ties of equal seeds.
 std::vector<PlaneLandmark> AssociatePatches(const std::vector<const PlaneSet*>& scans,
                                             const std::vector<Rigid3>& world_from_scan,
                                             const AssociationOptions& options = {});
