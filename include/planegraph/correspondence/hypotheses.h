@@ -39,8 +39,8 @@ struct PoseHypothesis {
 struct HypothesisOptions {
   std::size_t most_rotations = 24;
   std::size_t peaks_per_axis = 8;
-  std::size_t most_translations = 64;  ///< per rotation
-  std::size_t most_verified = 96;      ///< by all samples, after a first look by few
+  std::size_t most_translations = 24;  ///< per rotation
+  std::size_t most_verified = 32;      ///< by all samples, after a first look by few
   std::size_t most_kept = 12;          ///< hypotheses handed on, best first
   double gate = 0.4;                   ///< metres, of the coarse verification
   bool keep_rejected = false;          ///< list the dropped ones too, with the reason
