@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <unordered_set>
+#include <vector>
 
 #include "planegraph/base/error.h"
 
@@ -12,11 +12,30 @@ namespace {
 
 constexpr double kMaxIndex = 1 << 20;
 
-struct HashKey {
-  std::size_t operator()(std::uint64_t key) const {
-    key ^= key >> 31;
-    return key * 0x9E3779B97F4A7C15ull;
+// A set of keys in one flat table: a node per key, as std::unordered_set has it, costs more than
+// all else that is done with a map's points.
+class KeySet {
+ public:
+  explicit KeySet(std::size_t most) {
+    std::size_t size = 64;
+    while (size < 2 * most) size *= 2;
+    slots_.assign(size, kNone);
+    mask_ = size - 1;
   }
+  // False where the key is there already.
+  bool Insert(std::uint64_t key) {
+    std::uint64_t hash = (key ^ (key >> 31)) * 0x9E3779B97F4A7C15ull;
+    std::uint64_t slot = (hash ^ (hash >> 32)) & mask_;
+    while (slots_[slot] != kNone && slots_[slot] != key) slot = (slot + 1) & mask_;
+    const bool fresh = slots_[slot] == kNone;
+    slots_[slot] = key;
+    return fresh;
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = ~0ull;  // keys have 63 bits
+  std::vector<std::uint64_t> slots_;
+  std::uint64_t mask_ = 0;
 };
 
 std::uint64_t VoxelKey(const Eigen::Vector3d& point, double voxel) {
@@ -32,11 +51,10 @@ std::uint64_t VoxelKey(const Eigen::Vector3d& point, double voxel) {
 }  // namespace
 
 std::vector<std::uint32_t> FirstOfEachVoxel(const Cloud& cloud, double voxel) {
-  std::unordered_set<std::uint64_t, HashKey> occupied;
-  occupied.reserve(cloud.size());
+  KeySet occupied(cloud.size());
   std::vector<std::uint32_t> first;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (occupied.insert(VoxelKey(cloud.Position(i), voxel)).second) {
+    if (occupied.Insert(VoxelKey(cloud.Position(i), voxel))) {
       first.push_back(static_cast<std::uint32_t>(i));
     }
   }
