@@ -16,6 +16,9 @@ constexpr double kInfinite = 100.0;
 // Two poses nearer than this may be one basin of the refinement: they do not compete.
 constexpr double kSameMetres = 0.5, kSameRadians = 0.09;
 
+// A rotation known worse than this (radians) is tried from other starts, turned by kTurn.
+constexpr double kWeakEnoughToTurn = 0.002, kTurn = 0.1;
+
 struct Candidate {
   Refinement refinement;
   Support support;
@@ -148,6 +151,45 @@ void Decide(const RegistrationOptions& options, Registration* result) {
   }
 }
 
+// Scans that share few surfaces of some direction can fit in two ways a few degrees apart, each of
+// which looks sharp by itself. Refines from the pose turned about its two least known axes.
+std::vector<Candidate> RefineTurned(const ScanModel& target, const ScanModel& source,
+                                    const Refinement& best, const RegistrationOptions& options) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      Eigen::Matrix3d(best.covariance.bottomRightCorner<3, 3>()));
+  std::vector<Candidate> found;
+  if (!(eigen.eigenvalues()[2] > kWeakEnoughToTurn * kWeakEnoughToTurn)) return found;
+  for (const int axis : {1, 2}) {
+    for (const double turn : {-kTurn, kTurn}) {
+      Rigid3 start = best.target_from_source;
+      start.rotation = ExpSO3(turn * eigen.eigenvectors().col(axis)) * start.rotation;
+      found.push_back(
+          Evaluate(target, source, RefinePose(target, source, start, options.refinement), options));
+    }
+  }
+  return found;
+}
+
+// Keeps the best of a pose and its neighbours. The others that explain nearly as much are part of
+// what is not known: their differences enter the covariance, by their share of the quality.
+Candidate MergeNeighbours(Candidate best, std::vector<Candidate> neighbours,
+                          const RegistrationOptions& options) {
+  for (Candidate& other : neighbours) {
+    if (other.quality > best.quality) std::swap(best, other);
+  }
+  const Rigid3 pose = best.refinement.target_from_source;
+  for (const Candidate& other : neighbours) {
+    const Rigid3& rival = other.refinement.target_from_source;
+    if (!(other.quality > options.ambiguity * best.quality) || Compete(pose, rival)) continue;
+    Eigen::Matrix<double, 6, 1> difference;
+    difference << rival.translation - pose.translation,
+        LogSO3(rival.rotation * pose.rotation.conjugate());
+    best.refinement.covariance +=
+        other.quality / (other.quality + best.quality) * difference * difference.transpose();
+  }
+  return best;
+}
+
 Registration Finish(const ScanModel& target, const ScanModel& source, Candidate best,
                     double runner_up, const RegistrationOptions& options) {
   Registration result;
@@ -206,7 +248,11 @@ Registration Register(const ScanModel& target, const ScanModel& source,
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.quality > b.quality; });
   const double runner_up = RunnerUp(candidates);
-  return Finish(target, source, std::move(candidates[0]), runner_up, options);
+  auto neighbours = RefineTurned(target, source, candidates[0].refinement, options);
+  Candidate best = MergeNeighbours(std::move(candidates[0]), std::move(neighbours), options);
+  RegistrationOptions alone = options;
+  alone.least_quality = std::max(options.least_quality, options.least_quality_alone);
+  return Finish(target, source, std::move(best), runner_up, alone);
 }
 
 Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,

@@ -15,9 +15,10 @@ const char* ToString(RegistrationStatus status);
 struct RegistrationOptions {
   HypothesisOptions hypotheses;
   RefinementOptions refinement;
-  double support_gate = 0.1;   ///< metres, of the final verification
-  double least_quality = 0.2;  ///< of a pose to be believed
-  double ambiguity = 0.75;     ///< a second pose with this share of the best one's quality is one
+  double support_gate = 0.1;          ///< metres, of the final verification
+  double least_quality = 0.2;         ///< of a pose to be believed
+  double least_quality_alone = 0.28;  ///< of one that no guess speaks for
+  double ambiguity = 0.75;  ///< a second pose with this share of the best one's quality is one
   double weak_translation = 0.05;  ///< metres: a larger standard deviation is "not observed"
   double weak_rotation = 0.0175;   ///< radians, likewise
 };
