@@ -28,19 +28,42 @@ Eigen::Matrix3d Frame(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return frame;
 }
 
-double Score(const Eigen::Matrix3d& rotation, const std::vector<DirectionCluster>& target,
-             const std::vector<DirectionCluster>& source) {
-  static const double kSame = std::cos(6.0 * kDegree);
-  double score = 0.0;
+// Calls visit(source, target, share) for every source direction with its best partner within six
+// degrees; the share falls from one to zero with the angle, so that the more exact of two rotations
+// scores more.
+template <typename Visit>
+void ForPartners(const Eigen::Matrix3d& rotation, const std::vector<DirectionCluster>& target,
+                 const std::vector<DirectionCluster>& source, Visit visit) {
+  static const double kRange = 1.0 - std::cos(6.0 * kDegree);
   for (const auto& s : source) {
     const Eigen::Vector3d d = rotation * s.direction;
+    const DirectionCluster* partner = nullptr;
     double best = 0.0;
     for (const auto& t : target) {
-      if (t.direction.dot(d) > kSame) best = std::max(best, std::min(s.weight, t.weight));
+      const double share = 1.0 - (1.0 - t.direction.dot(d)) / kRange;
+      const double value = share * std::min(s.weight, t.weight);
+      if (value > best) best = value, partner = &t;
     }
-    score += best;
+    if (partner != nullptr) visit(s, *partner, best);
   }
+}
+
+double Score(const Eigen::Matrix3d& rotation, const std::vector<DirectionCluster>& target,
+             const std::vector<DirectionCluster>& source) {
+  double score = 0.0;
+  ForPartners(rotation, target, source,
+              [&](const auto&, const auto&, double value) { score += value; });
   return score;
+}
+
+// The rotation that fits all directions it brings together, not only the two it was made of.
+Eigen::Matrix3d Polish(const Eigen::Matrix3d& rotation, const std::vector<DirectionCluster>& target,
+                       const std::vector<DirectionCluster>& source) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  ForPartners(rotation, target, source, [&](const auto& s, const auto& t, double value) {
+    sum += value * t.direction * s.direction.transpose();
+  });
+  return ProjectToRotation(sum);
 }
 
 double CosineBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -86,7 +109,11 @@ std::vector<RotationHypothesis> FindRotations(const std::vector<DirectionCluster
       }
     }
   }
-  return Distinct(std::move(all), most);
+  auto kept = Distinct(std::move(all), most);
+  for (auto& rotation : kept) {
+    rotation.target_from_source = Polish(rotation.target_from_source, target, source);
+  }
+  return kept;
 }
 
 }  // namespace planegraph

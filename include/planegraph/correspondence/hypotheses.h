@@ -38,8 +38,8 @@ struct PoseHypothesis {
 
 struct HypothesisOptions {
   std::size_t most_rotations = 24;
-  std::size_t peaks_per_axis = 8;
-  std::size_t most_translations = 24;  ///< per rotation
+  std::size_t peaks_per_axis = 16;
+  std::size_t most_translations = 32;  ///< per rotation
   std::size_t most_verified = 32;      ///< by all samples, after a first look by few
   std::size_t most_kept = 12;          ///< hypotheses handed on, best first
   double gate = 0.4;                   ///< metres, of the coarse verification
