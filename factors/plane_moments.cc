@@ -64,6 +64,7 @@ void AddPlane(const Graph& graph, int index, const FactorOptions&, ResidualSink*
   const PlaneLandmark& plane = graph.planes[index];
   for (int k = 0; k < static_cast<int>(plane.observations.size()); ++k) {
     const PlaneObservation& seen = plane.observations[k];
+    if (seen.map >= 0) continue;  // map_moments
     sink->Add(std::make_unique<PlaneMomentsCost>(seen, plane.anchor),
               {{BlockKind::kPose, seen.pose}, {BlockKind::kPlane, index}},
               ResidualTag{.plane = index, .observation = k}, 1.0);

@@ -91,10 +91,11 @@ class PlanePosePoseCost final : public ceres::SizedCostFunction<3, kPoseSize, kP
 
 void AddPlane(const Graph& graph, int index, const FactorOptions& options, ResidualSink* sink) {
   const auto& seen = graph.planes[index].observations;
-  const int count = static_cast<int>(seen.size());
+  const int count = static_cast<int>(seen.size());  // those in maps count in the weight, too
   const double weight = OptionOr(options, "count_once", 1.0) != 0.0 ? 2.0 / count : 1.0;
   for (int m = 0; m < count; ++m) {
     for (int d = m + 1; d < count; ++d) {
+      if (seen[m].map >= 0 || seen[d].map >= 0) continue;  // map_pose_pose
       if (seen[m].pose == seen[d].pose) continue;
       const Rigid3 m_from_d = graph.poses[seen[m].pose].world_from_node.Inverse() *
                               graph.poses[seen[d].pose].world_from_node;

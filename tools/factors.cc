@@ -7,7 +7,6 @@
 namespace planegraph::tools {
 namespace {
 
-const char* KindName(FactorKind kind) { return kind == FactorKind::kPlane ? "plane" : "pose"; }
 
 nlohmann::json ToJson(const FactorParameter& parameter) {
   nlohmann::json json = {{"name", parameter.name},
@@ -22,7 +21,7 @@ nlohmann::json ToJson(const FactorType& type) {
   nlohmann::json parameters = nlohmann::json::array();
   for (const FactorParameter& parameter : type.parameters) parameters.push_back(ToJson(parameter));
   return {{"name", type.name},
-          {"kind", KindName(type.kind)},
+          {"kind", ToString(type.kind)},
           {"description", type.description},
           {"residual", type.residual},
           {"plane_blocks", type.plane_blocks},
@@ -30,7 +29,7 @@ nlohmann::json ToJson(const FactorType& type) {
 }
 
 void Print(const FactorType& type) {
-  std::cout << type.name << " (" << KindName(type.kind) << "): " << type.description
+  std::cout << type.name << " (" << ToString(type.kind) << "): " << type.description
             << "\n  residual: " << type.residual << "\n";
   for (const FactorParameter& parameter : type.parameters) {
     std::cout << "  " << parameter.name << " [" << parameter.unit << "]: " << parameter.description;

@@ -60,15 +60,24 @@ namespace {
 void AdoptSegmentPlane(const PlaneSegment& segment, Surfel* surfel) {
   const double tilt = std::sqrt(std::max(surfel->variance1, surfel->variance2));
   const double cosine = segment.plane.normal.dot(surfel->normal);
-  if (cosine < std::cos(std::min(3.0 * tilt, 0.3))) return;
-  surfel->normal = segment.plane.normal;
+  if (std::abs(cosine) < std::cos(std::min(3.0 * tilt, 0.3))) return;
+  const bool same_side = cosine > 0.0;
+  if (!same_side && segment.orientation == Orientation::kSensor) return;
+  surfel->normal = same_side ? segment.plane.normal : Eigen::Vector3d(-segment.plane.normal);
   surfel->axis1 = segment.axes.vectors.col(1);
   surfel->axis2 = segment.axes.vectors.col(2);
   surfel->variance1 = segment.covariance(0, 0);
   surfel->variance2 = segment.covariance(1, 1);
 }
 
+Surfel Flipped(Surfel surfel) {
+  surfel.normal = -surfel.normal;
+  return surfel;
+}
+
 }  // namespace
+
+double CorrelationLength(CloudKind kind) { return kind == CloudKind::kLaser ? 0.05 : 0.5; }
 
 std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_length) {
   std::vector<Surfel> surfels;
@@ -84,6 +93,7 @@ std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_lengt
                        variance / std::max(axes.values[2], 1e-12), variance / patch.moments.count,
                        patch.size, area, patch.segment});
     if (patch.segment >= 0) AdoptSegmentPlane(planes.planes[patch.segment], &surfels.back());
+    if (patch.orientation == Orientation::kUnknown) surfels.push_back(Flipped(surfels.back()));
   }
   return surfels;
 }

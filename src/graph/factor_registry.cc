@@ -7,6 +7,20 @@
 
 namespace planegraph {
 
+const char* ToString(FactorKind kind) {
+  switch (kind) {
+    case FactorKind::kPlane:
+      return "plane";
+    case FactorKind::kMapPlane:
+      return "map plane";
+    case FactorKind::kPose:
+      return "pose";
+    case FactorKind::kMap:
+      return "map";
+  }
+  return "";
+}
+
 double OptionOr(const FactorOptions& options, const std::string& name, double fallback) {
   const auto set = options.find(name);
   return set == options.end() ? fallback : set->second;
@@ -37,6 +51,14 @@ const FactorType& FactorRegistry::Get(const std::string& name, FactorKind kind) 
     if (type.kind == kind) names += (names.empty() ? "" : ", ") + key;
   }
   throw UsageError("unknown factor '" + name + "' (there are: " + names + ")");
+}
+
+const FactorType& FactorRegistry::MapPlaneFactorFor(const FactorType& plane_factor) const {
+  for (const auto& [name, type] : types_) {
+    const bool fits = type.plane_blocks == plane_factor.plane_blocks;
+    if (type.kind == FactorKind::kMapPlane && fits) return type;
+  }
+  throw UsageError("the plane factor '" + plane_factor.name + "' has no counterpart for drone maps");
 }
 
 }  // namespace planegraph

@@ -76,4 +76,10 @@ std::vector<double> FactorSampler::Block(const PlaneLandmark& plane) {
   return {plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset};
 }
 
+std::vector<double> FactorSampler::Block(const Sim3& map) {
+  std::vector<double> block(kMapSize);
+  MapToBlock(map, block.data());
+  return block;
+}
+
 }  // namespace planegraph

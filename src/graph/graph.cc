@@ -22,11 +22,15 @@ void Require(bool condition, const std::string& what) {
   if (!condition) throw std::invalid_argument(what);
 }
 
-void CheckPlane(const PlaneLandmark& plane, int pose_count, const std::string& name) {
+void CheckPlane(const PlaneLandmark& plane, const Graph& graph, const std::string& name) {
+  const int pose_count = static_cast<int>(graph.poses.size());
+  const int map_count = static_cast<int>(graph.maps.size());
   Require(std::abs(plane.normal.norm() - 1.0) < 1e-6, name + ": normal is not of unit length");
   Require(std::isfinite(plane.offset) && plane.anchor.allFinite(), name + ": not finite");
   for (const PlaneObservation& seen : plane.observations) {
-    Require(seen.pose >= 0 && seen.pose < pose_count, name + ": observation without its pose");
+    Require(seen.map < map_count, name + ": observation without its map");
+    Require(seen.map >= 0 || (seen.pose >= 0 && seen.pose < pose_count),
+            name + ": observation without its pose");
     Require(seen.centroid.allFinite() && seen.axes.allFinite(), name + ": not finite");
     Require(std::isfinite(seen.tilt_weight_1 + seen.tilt_weight_2 + seen.offset_weight),
             name + ": weights are not finite");
@@ -43,12 +47,22 @@ void CheckPoseFactor(const PoseFactor& factor, int pose_count, const std::string
   Require(factor.information.allFinite(), name + ": information is not finite");
 }
 
+void CheckMapFactor(const MapFactor& factor, int map_count, const std::string& name) {
+  Require(factor.maps.size() == 1 || factor.maps.size() == 2, name + ": needs one map or two");
+  for (int map : factor.maps) {
+    Require(map >= 0 && map < map_count, name + ": names a map that does not exist");
+  }
+  Require(factor.maps.size() < 2 || factor.maps[0] != factor.maps[1], name + ": ties a map to itself");
+  Require(factor.point.allFinite() && factor.position.allFinite(), name + ": not finite");
+  Require(factor.information.allFinite(), name + ": information is not finite");
+}
+
 // Normal equations of one observation for the tangent (tilt 1, tilt 2, offset) of a plane.
-void AddNormalEquations(const PoseNode& node, const PlaneObservation& seen,
+void AddNormalEquations(const Sim3& world_from_node, const PlaneObservation& seen,
                         const PlaneLandmark& plane, const Eigen::Matrix<double, 3, 2>& basis,
                         Matrix3d* h, Vector3d* g) {
-  const Matrix3d rotation = node.world_from_node.rotation.toRotationMatrix();
-  const Vector3d arm = node.world_from_node * seen.centroid - plane.anchor;
+  const Matrix3d rotation = world_from_node.rotation.toRotationMatrix();
+  const Vector3d arm = world_from_node * seen.centroid - plane.anchor;
   Matrix3d rows;  // d residual / d normal
   rows.row(0) = seen.tilt_weight_1 * (rotation * seen.axes.col(1)).transpose();
   rows.row(1) = seen.tilt_weight_2 * (rotation * seen.axes.col(2)).transpose();
@@ -105,26 +119,31 @@ PlaneLandmark MakePlaneLandmark(const Graph& graph, std::vector<PlaneObservation
   double total = 0.0;
   for (const PlaneObservation& seen : observations) {
     const double weight = std::max(seen.point_count, 1.0);
-    plane.anchor += weight * (graph.poses.at(seen.pose).world_from_node * seen.centroid);
+    plane.anchor += weight * (WorldFromObservation(graph, seen) * seen.centroid);
     total += weight;
   }
   plane.anchor /= total;
   const PlaneObservation& first = observations.front();
-  const Rigid3& world_from_node = graph.poses.at(first.pose).world_from_node;
+  const Sim3 world_from_node = WorldFromObservation(graph, first);
   plane.normal = (world_from_node.rotation * first.axes.col(0)).normalized();
   plane.offset = plane.normal.dot(world_from_node * first.centroid - plane.anchor);
   plane.observations = std::move(observations);
   return plane;
 }
 
-void FitLandmark(const std::vector<PoseNode>& poses, PlaneLandmark* landmark) {
+Sim3 WorldFromObservation(const Graph& graph, const PlaneObservation& seen) {
+  if (seen.map >= 0) return graph.maps.at(seen.map).world_from_map;
+  return Sim3(graph.poses.at(seen.pose).world_from_node);
+}
+
+void FitLandmark(const Graph& graph, PlaneLandmark* landmark) {
   constexpr int kMaxIterations = 20;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Matrix3d h = Matrix3d::Zero();
     Vector3d g = Vector3d::Zero();
     const auto basis = TangentBasis(landmark->normal);
     for (const PlaneObservation& seen : landmark->observations) {
-      AddNormalEquations(poses[seen.pose], seen, *landmark, basis, &h, &g);
+      AddNormalEquations(WorldFromObservation(graph, seen), seen, *landmark, basis, &h, &g);
     }
     h.diagonal() *= 1.0 + 1e-12;  // keeps a plane with an unseen tilt solvable
     h.diagonal().array() += 1e-300;
@@ -145,7 +164,17 @@ void CheckGraph(const Graph& graph) {
             "pose " + node.id + ": not a rigid motion");
   }
   for (std::size_t k = 0; k < graph.planes.size(); ++k) {
-    CheckPlane(graph.planes[k], pose_count, "plane " + std::to_string(k));
+    CheckPlane(graph.planes[k], graph, "plane " + std::to_string(k));
+  }
+  for (const MapNode& node : graph.maps) {
+    const Sim3& map = node.world_from_map;
+    Require(map.translation.allFinite() && std::abs(map.rotation.norm() - 1.0) < 1e-6 &&
+                map.scale > 0.0 && std::isfinite(map.scale),
+            "map " + node.id + ": not a similarity");
+  }
+  for (std::size_t k = 0; k < graph.map_factors.size(); ++k) {
+    CheckMapFactor(graph.map_factors[k], static_cast<int>(graph.maps.size()),
+                   "map factor " + std::to_string(k));
   }
   for (std::size_t k = 0; k < graph.pose_factors.size(); ++k) {
     CheckPoseFactor(graph.pose_factors[k], pose_count, "pose factor " + std::to_string(k));

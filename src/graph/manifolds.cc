@@ -115,6 +115,48 @@ bool PlaneManifold::MinusJacobian(const double* x, double* jacobian) const {
   return true;
 }
 
+bool Sim3Manifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
+  rigid_.Plus(x, delta, x_plus_delta);
+  x_plus_delta[7] = x[7] + delta[6];
+  return true;
+}
+
+bool Sim3Manifold::PlusJacobian(const double* x, double* jacobian) const {
+  RowMajor<7, 6> rigid;
+  rigid_.PlusJacobian(x, rigid.data());
+  Map<RowMajor<8, 7>> j(jacobian);
+  j.setZero();
+  j.topLeftCorner<7, 6>() = rigid;
+  j(7, 6) = 1.0;
+  return true;
+}
+
+bool Sim3Manifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+  rigid_.Minus(y, x, y_minus_x);
+  y_minus_x[6] = y[7] - x[7];
+  return true;
+}
+
+bool Sim3Manifold::MinusJacobian(const double* x, double* jacobian) const {
+  RowMajor<6, 7> rigid;
+  rigid_.MinusJacobian(x, rigid.data());
+  Map<RowMajor<7, 8>> j(jacobian);
+  j.setZero();
+  j.topLeftCorner<6, 7>() = rigid;
+  j(6, 7) = 1.0;
+  return true;
+}
+
+Sim3 MapFromBlock(const double* block) {
+  const Rigid3 rigid = PoseFromBlock(block);
+  return {std::exp(block[7]), rigid.rotation, rigid.translation};
+}
+
+void MapToBlock(const Sim3& map, double* block) {
+  PoseToBlock({map.rotation, map.translation}, block);
+  block[7] = std::log(map.scale);
+}
+
 Rigid3 PoseFromBlock(const double* block) {
   return {Quaterniond(Map<const Quaterniond>(block)).normalized(), Map<const Vector3d>(block + 4)};
 }

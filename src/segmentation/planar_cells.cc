@@ -16,6 +16,9 @@ struct Splitter {
   CellSplit split;
 
   bool TryPlanar(int level, std::uint32_t index);
+  double ExpectedNoise(const Sighting& seen, const PrincipalAxes& axes, double count) const;
+  Orientation Turn(const CellOctree::Cell& cell, const Eigen::Vector3d& mean,
+                   Eigen::Vector3d* normal) const;
   void Visit(int level, std::uint32_t index);
   void Mark(int level, std::uint32_t index, std::int32_t owner);
 };
@@ -25,17 +28,46 @@ bool Splitter::TryPlanar(int level, std::uint32_t index) {
   if (sums.count < kLeastPoints) return false;
   const Moments moments = sums.ToMoments();
   const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
-  const Sighting seen(cloud, moments.mean, axes.vectors.col(0));
-  const double sigma = noise.AlongNormal(seen.range, seen.cosine);
+  const Sighting seen(cloud, options.kind, moments.mean, axes.vectors.col(0));
+  const double sigma = ExpectedNoise(seen, axes, sums.count);
   if (!IsPlanar(axes.values[0], sums.count, sigma, options.planarity)) return false;
   if (!SpansPlane(axes, sums.count, sigma)) return false;
   const double tilt = sigma / std::sqrt(std::max(axes.values[1], 1e-300));
   if (tilt > options.max_tilt_deg * std::numbers::pi / 180.0) return false;
-  const Eigen::Vector3d to_sensor = cloud.viewpoint - cloud.offset - moments.mean;
   Eigen::Vector3d normal = axes.vectors.col(0);
-  if (normal.dot(to_sensor) < 0) normal = -normal;
-  split.planar.push_back({level, index, moments.mean, normal, sums.count, sigma, tilt});
+  const Orientation orientation = Turn(octree.Level(level)[index], moments.mean, &normal);
+  split.planar.push_back(
+      {level, index, moments.mean, normal, sums.count, sigma, tilt, orientation});
   return true;
+}
+
+// The noise of photogrammetry changes with texture and distance from place to place: what a flat
+// cell shows itself counts, up to what the rougher cells of the cloud have.
+double Splitter::ExpectedNoise(const Sighting& seen, const PrincipalAxes& axes,
+                               double count) const {
+  const double model = noise.AlongNormal(seen.range, seen.cosine);
+  if (options.kind == CloudKind::kLaser) return model;
+  constexpr double kMostRoughness = 4.0;  // times the quietest surfaces
+  const double own = std::sqrt(std::max(axes.values[0], 0.0) / std::max(count - 3.0, 1.0));
+  return std::clamp(own, model, kMostRoughness * model);
+}
+
+// Turns the normal to the side that the points were seen from: the scanner's, or that of most of
+// the points' own normals.
+Orientation Splitter::Turn(const CellOctree::Cell& cell, const Eigen::Vector3d& mean,
+                           Eigen::Vector3d* normal) const {
+  constexpr double kMajority = 0.5;  // of the points' normals, net
+  double facing = normal->dot(cloud.viewpoint - cloud.offset - mean);
+  if (options.kind == CloudKind::kVision) {
+    facing = 0.0;
+    for (std::uint32_t i = 0; i < cell.point_count && !cloud.normals.empty(); ++i) {
+      const auto& own = cloud.normals[octree.order()[cell.first_point + i]];
+      facing += own.cast<double>().dot(*normal) > 0.0 ? 1.0 : -1.0;
+    }
+    if (std::abs(facing) < kMajority * cell.point_count) return Orientation::kUnknown;
+  }
+  if (facing < 0.0) *normal = -*normal;
+  return Orientation::kSensor;
 }
 
 void Splitter::Mark(int level, std::uint32_t index, std::int32_t owner) {
@@ -60,8 +92,9 @@ void Splitter::Visit(int level, std::uint32_t index) {
 
 }  // namespace
 
-Sighting::Sighting(const Cloud& cloud, const Eigen::Vector3d& point,
+Sighting::Sighting(const Cloud& cloud, CloudKind kind, const Eigen::Vector3d& point,
                    const Eigen::Vector3d& normal) {
+  if (kind == CloudKind::kVision) return;
   const Eigen::Vector3d beam = point + cloud.offset - cloud.viewpoint;
   range = beam.norm();
   cosine = range > 0 ? std::abs(normal.dot(beam)) / range : 1.0;
@@ -81,13 +114,14 @@ bool IsPlanar(double smallest_eigenvalue, double count, double sigma, double pla
   return smallest_eigenvalue / freedom <= planarity * planarity * sigma * sigma * slack;
 }
 
-std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud) {
+std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud,
+                                             CloudKind kind) {
   // Cells well above the noise and well below the objects; enough points for a variance.
-  constexpr int kLevel = 2;
+  const int level = kind == CloudKind::kLaser ? 2 : 1;
   constexpr double kEnough = 12;
   constexpr double kNotALine = 0.1;
   std::vector<NoiseSample> samples;
-  for (const auto& cell : octree.Level(std::min(kLevel, octree.levels() - 1))) {
+  for (const auto& cell : octree.Level(std::min(level, octree.levels() - 1))) {
     if (cell.sums.count < kEnough) continue;
     const Moments moments = cell.sums.ToMoments();
     const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
@@ -95,7 +129,7 @@ std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Clo
     // No plane at all: edges, clutter, a single scan line.
     if (!SpansPlane(axes, moments.count, std::sqrt(variance))) continue;
     if (axes.values[1] < kNotALine * axes.values[2]) continue;
-    const Sighting seen(cloud, moments.mean, axes.vectors.col(0));
+    const Sighting seen(cloud, kind, moments.mean, axes.vectors.col(0));
     if (seen.cosine < NoiseModel::kLeastCosine) continue;
     samples.push_back({seen.range, variance / (seen.cosine * seen.cosine)});
   }

@@ -15,6 +15,7 @@ struct PlanarCell {
   double count;
   double sigma;  ///< expected noise of one of its points along the normal, metres
   double tilt;   ///< standard deviation of its normal about the worse axis, radians
+  Orientation orientation;  ///< how the sign of the normal was found
 };
 
 /// The cell at each level that a point lies in, as far as the split went.
@@ -26,11 +27,13 @@ struct CellSplit {
   std::vector<std::vector<std::int32_t>> owner;
 };
 
-/// Where a surface lies as the sensor sees it.
+/// Where a surface lies as the sensor sees it. A photogrammetric cloud has no single sensor: its
+/// noise does not depend on where a point lies, and range 0 and cosine 1 stand for that.
 struct Sighting {
-  double range;   ///< metres
-  double cosine;  ///< of the incidence angle, in [0, 1]
-  Sighting(const Cloud& cloud, const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+  double range = 0.0;   ///< metres
+  double cosine = 1.0;  ///< of the incidence angle, in [0, 1]
+  Sighting(const Cloud& cloud, CloudKind kind, const Eigen::Vector3d& point,
+           const Eigen::Vector3d& normal);
 };
 
 /// Whether the points spread enough in both directions to define a plane: a single scan line lies
@@ -38,7 +41,8 @@ struct Sighting {
 bool SpansPlane(const PrincipalAxes& axes, double count, double sigma);
 
 /// Samples for EstimateNoise from cells of about four finest edges.
-std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud);
+std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud,
+                                             CloudKind kind);
 
 /// Whether the scatter of `count` points about their plane is what noise of `sigma` allows.
 bool IsPlanar(double smallest_eigenvalue, double count, double sigma, double planarity);

@@ -102,7 +102,8 @@ Patch MakePatch(const double* v, std::int32_t segment) {
           {v[10], v[11], v[12]},
           v[13],
           v[14],
-          segment};
+          segment,
+          Orientation::kSensor};
 }
 
 bool IsSane(const Patch& patch, std::size_t planes) {
@@ -113,6 +114,19 @@ bool IsSane(const Patch& patch, std::size_t planes) {
          patch.size > 0.0 && patch.size <= kMostPatchSize && patch.sigma >= 0.0 &&
          patch.sigma <= kMostCoordinate && patch.segment >= -1 &&
          patch.segment < static_cast<std::int64_t>(planes);
+}
+
+// A patch faces as surely as its plane; those of no plane as the set's planes do.
+void SetOrientations(PlaneSet* set) {
+  const bool any = std::any_of(set->planes.begin(), set->planes.end(), [](const auto& plane) {
+    return plane.orientation == Orientation::kSensor;
+  });
+  const bool known = set->kind == CloudKind::kLaser || any;
+  for (Patch& patch : set->patches) {
+    patch.orientation = patch.segment >= 0 ? set->planes[patch.segment].orientation
+                        : known            ? Orientation::kSensor
+                                           : Orientation::kUnknown;
+  }
 }
 
 std::vector<Patch> ReadPatches(const JsonNode& node, std::size_t planes) {
@@ -184,6 +198,7 @@ PlaneSet ParsePlanes(std::string_view text, const std::string& name) {
     set.planes.push_back(ReadPlane(planes.At(i), set.offset));
   }
   set.patches = ReadPatches(root.Get("patches"), set.planes.size());
+  SetOrientations(&set);
   if (root.Has("range_image")) set.range_image = ReadRangeImage(root.Get("range_image"));
   return set;
 }

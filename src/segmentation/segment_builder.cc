@@ -59,8 +59,6 @@ PlaneSegment BuildSegment(const Region& region, const Plane& plane,
   PlaneSegment segment;
   segment.plane = plane;
   segment.source = options.kind;
-  segment.orientation =
-      options.kind == CloudKind::kLaser ? Orientation::kSensor : Orientation::kUnknown;
   segment.moments = region.sums.ToMoments();
   segment.axes = ComputePrincipalAxes(segment.moments.scatter);
   segment.rms = std::sqrt(segment.axes.values[0] / segment.moments.count);

@@ -22,13 +22,15 @@ class Segmenter {
       : cloud_(cloud),
         options_(options),
         octree_(cloud, options.cell_size, options.levels),
-        noise_(options.noise ? *options.noise : EstimateNoise(CollectNoiseSamples(octree_, cloud))),
+        noise_(options.noise ? *options.noise : EstimateNoise(CollectNoiseSamples(octree_, cloud, options.kind))),
         split_(SplitIntoPlanarCells(octree_, cloud, noise_, options)) {}
 
   Segmentation Run();
 
  private:
   void KeepLargeRegions();
+  Plane PlaneOf(const Region& region) const;
+  Orientation OrientationOf(const Region& region) const;
   void LabelPlanarCells();
   void LabelBoundaryPoints();
   void CollectSegments(std::uint32_t index, std::vector<std::int32_t>* found) const;
@@ -59,9 +61,31 @@ void Segmenter::KeepLargeRegions() {
     for (const std::uint32_t cell : regions_[s].cells) {
       segment_of_cell_[cell] = static_cast<std::int32_t>(s);
     }
-    planes_.push_back(
-        LeastSquaresPlane(regions_[s].sums.ToMoments(), cloud_.viewpoint - cloud_.offset));
+    planes_.push_back(PlaneOf(regions_[s]));
   }
+}
+
+// A region faces where most of its cells do.
+Plane Segmenter::PlaneOf(const Region& region) const {
+  const Plane plane =
+      LeastSquaresPlane(region.sums.ToMoments(), cloud_.viewpoint - cloud_.offset);
+  if (options_.kind == CloudKind::kLaser) return plane;
+  double facing = 0.0;
+  for (const std::uint32_t cell : region.cells) {
+    const PlanarCell& planar = split_.planar[cell];
+    if (planar.orientation == Orientation::kUnknown) continue;
+    facing += planar.count * (planar.normal.dot(plane.normal) > 0.0 ? 1.0 : -1.0);
+  }
+  return facing < 0.0 ? plane.Flipped() : plane;
+}
+
+Orientation Segmenter::OrientationOf(const Region& region) const {
+  double known = 0.0;
+  for (const std::uint32_t cell : region.cells) {
+    const PlanarCell& planar = split_.planar[cell];
+    known += planar.orientation == Orientation::kSensor ? planar.count : 0.0;
+  }
+  return 2.0 * known > region.sums.count ? Orientation::kSensor : Orientation::kUnknown;
 }
 
 void Segmenter::LabelPlanarCells() {
@@ -110,7 +134,7 @@ void Segmenter::LabelRoughPoints(std::uint32_t first, std::uint32_t count,
     const Eigen::Vector3d point = octree_.sorted_points()[i].cast<double>();
     double best = kGate;
     for (const std::int32_t s : near) {
-      const Sighting seen(cloud_, point, planes_[s].normal);
+      const Sighting seen(cloud_, options_.kind, point, planes_[s].normal);
       const double sigma = noise_.AlongNormal(seen.range, seen.cosine);
       const double distance = std::abs(planes_[s].SignedDistance(point)) / sigma;
       if (distance < best) best = distance, sorted_labels_[i] = s;
@@ -150,6 +174,7 @@ void Segmenter::BuildSegments() {
     PlaneSegment segment =
         BuildSegment(regions_[s], planes_[s], octree_.sorted_points(), members[s], options_);
     if (segment.area < options_.min_area) continue;
+    segment.orientation = OrientationOf(regions_[s]);
     segment.id = new_id[s] = static_cast<std::int32_t>(result_.planes.planes.size());
     result_.planes.planes.push_back(std::move(segment));
   }
@@ -163,7 +188,7 @@ void Segmenter::CollectPatches() {
     const PlanarCell& cell = split_.planar[c];
     result_.planes.patches.push_back({octree_.Level(cell.level)[cell.index].sums.ToMoments(),
                                       cell.normal, octree_.CellSize(cell.level), cell.sigma,
-                                      segment_of_cell_[c]});
+                                      segment_of_cell_[c], cell.orientation});
   }
 }
 

@@ -22,6 +22,11 @@ Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMat
     Se3Manifold().PlusJacobian(block, plus.data());
     return ambient * plus;
   }
+  if (kind == BlockKind::kMap) {
+    Eigen::Matrix<double, kMapSize, kMapTangent, Eigen::RowMajor> plus;
+    Sim3Manifold().PlusJacobian(block, plus.data());
+    return ambient * plus;
+  }
   Eigen::Matrix<double, kPlaneSize, kPlaneTangent, Eigen::RowMajor> plus;
   PlaneManifold().PlusJacobian(block, plus.data());
   return ambient * plus;
@@ -30,6 +35,12 @@ Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMat
 }  // namespace
 
 Assembly::Assembly(const Graph& graph, const SolveOptions& options) {
+  SetBlocks(graph);
+  AddPlanes(graph, options);
+  AddPoseFactors(graph, options);
+}
+
+void Assembly::SetBlocks(const Graph& graph) {
   poses_.resize(graph.poses.size() * kPoseSize);
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
     PoseToBlock(graph.poses[i].world_from_node, PoseBlock(static_cast<int>(i)));
@@ -40,8 +51,10 @@ Assembly::Assembly(const Graph& graph, const SolveOptions& options) {
     Eigen::Map<Eigen::Vector3d>(block, 3) = graph.planes[k].normal.normalized();
     block[3] = graph.planes[k].offset;
   }
-  AddPlanes(graph, options);
-  AddPoseFactors(graph, options);
+  maps_.resize(graph.maps.size() * kMapSize);
+  for (std::size_t m = 0; m < graph.maps.size(); ++m) {
+    MapToBlock(graph.maps[m].world_from_map, MapBlock(static_cast<int>(m)));
+  }
 }
 
 void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
@@ -55,6 +68,26 @@ void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
   present_loss_ = losses_.back().get();
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
     type.add_plane(graph, k, options.plane_factor_options, this);
+  }
+  if (graph.maps.empty()) return;
+  const FactorType& in_maps = BuiltinFactors().MapPlaneFactorFor(type);
+  for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
+    in_maps.add_plane(graph, k, {}, this);
+  }
+}
+
+void Assembly::AddMapFactors(const Graph& graph, const ceres::LossFunction* robust) {
+  for (int k = 0; k < static_cast<int>(graph.map_factors.size()); ++k) {
+    const MapFactor& factor = graph.map_factors[k];
+    const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kMap);
+    present_loss_ = factor.robust ? robust : nullptr;
+    const ResidualTag tag{.map_factor = k};
+    const BlockRef first{BlockKind::kMap, factor.maps[0]};
+    if (factor.maps.size() == 1) {
+      Add(type.make_map_cost(factor), {first}, tag, 1.0);
+    } else {
+      Add(type.make_map_cost(factor), {first, {BlockKind::kMap, factor.maps[1]}}, tag, 1.0);
+    }
   }
 }
 
@@ -73,6 +106,7 @@ void Assembly::AddPoseFactors(const Graph& graph, const SolveOptions& options) {
       Add(type.make_cost(factor), {first, {BlockKind::kPose, factor.poses[1]}}, tag, 1.0);
     }
   }
+  AddMapFactors(graph, robust);
 }
 
 void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost,
@@ -99,6 +133,7 @@ ceres::LossFunction* Assembly::LossFor(double weight) {
 }
 
 double* Assembly::Block(const BlockRef& block) {
+  if (block.kind == BlockKind::kMap) return MapBlock(block.index);
   return block.kind == BlockKind::kPose ? PoseBlock(block.index) : PlaneBlock(block.index);
 }
 
@@ -140,19 +175,32 @@ void Assembly::Store(Graph* graph) const {
     graph->planes[k].normal = Eigen::Map<const Eigen::Vector3d>(block).normalized();
     graph->planes[k].offset = block[3];
   }
+  for (std::size_t m = 0; m < graph->maps.size(); ++m) {
+    graph->maps[m].world_from_map = MapFromBlock(&maps_[kMapSize * m]);
+  }
 }
 
-std::vector<bool> GaugeFixed(const Graph& graph, bool count_priors) {
-  std::vector<bool> fixed(graph.poses.size());
-  for (std::size_t i = 0; i < fixed.size(); ++i) fixed[i] = graph.poses[i].fixed;
-  if (fixed.empty() || std::count(fixed.begin(), fixed.end(), true) > 0) return fixed;
+Gauge GaugeFixed(const Graph& graph, bool count_priors) {
+  Gauge gauge;
+  for (const PoseNode& node : graph.poses) gauge.poses.push_back(node.fixed);
+  for (const MapNode& node : graph.maps) gauge.maps.push_back(node.fixed);
+  bool has_prior = false;
+  for (const MapFactor& factor : graph.map_factors) {
+    if (factor.maps.size() != 1) continue;
+    has_prior = true;
+    if (!count_priors) gauge.maps[factor.maps[0]] = true;
+  }
+  const auto held = [](const std::vector<bool>& fixed) {
+    return std::find(fixed.begin(), fixed.end(), true) != fixed.end();
+  };
+  if (gauge.poses.empty() || held(gauge.poses) || held(gauge.maps)) return gauge;
   const auto prior =
       std::find_if(graph.pose_factors.begin(), graph.pose_factors.end(),
                    [](const PoseFactor& factor) { return factor.poses.size() == 1; });
-  const bool has_prior = prior != graph.pose_factors.end();
-  if (!has_prior) fixed[0] = true;
-  if (has_prior && !count_priors) fixed[prior->poses[0]] = true;
-  return fixed;
+  const bool has_pose_prior = prior != graph.pose_factors.end();
+  if (!has_pose_prior && !has_prior) gauge.poses[0] = true;
+  if (has_pose_prior && !count_priors) gauge.poses[prior->poses[0]] = true;
+  return gauge;
 }
 
 }  // namespace planegraph

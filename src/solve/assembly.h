@@ -29,7 +29,7 @@ struct Residual {
 /// weight * rho', so that J^T J is the (first-order) information and J^T r the gradient.
 struct LinearizedResidual {
   Eigen::VectorXd residual;
-  std::array<Eigen::MatrixXd, 2> jacobians;  ///< residuals x 6 (pose) or x 3 (plane)
+  std::array<Eigen::MatrixXd, 2> jacobians;  ///< residuals x 6 (pose), x 3 (plane) or x 7 (map)
 };
 
 /// All residuals of a graph, and the parameter blocks they work on. Ceres and the covariance both
@@ -46,6 +46,7 @@ class Assembly final : public ResidualSink {
   double* Block(const BlockRef& block);
   double* PoseBlock(int index) { return &poses_[std::size_t(kPoseSize) * index]; }
   double* PlaneBlock(int index) { return &planes_[std::size_t(kPlaneSize) * index]; }
+  double* MapBlock(int index) { return &maps_[std::size_t(kMapSize) * index]; }
 
   /// |r|^2 of a residual, and its weight times rho' in *weight, at the present values.
   double Chi2(const Residual& residual, double* weight);
@@ -55,11 +56,13 @@ class Assembly final : public ResidualSink {
   void Store(Graph* graph) const;
 
  private:
+  void SetBlocks(const Graph& graph);
   void AddPlanes(const Graph& graph, const SolveOptions& options);
+  void AddMapFactors(const Graph& graph, const ceres::LossFunction* robust);
   void AddPoseFactors(const Graph& graph, const SolveOptions& options);
   ceres::LossFunction* LossFor(double weight);
 
-  std::vector<double> poses_, planes_;
+  std::vector<double> poses_, planes_, maps_;
   std::vector<Residual> residuals_;
   bool plane_blocks_ = false;
   const ceres::LossFunction* present_loss_ = nullptr;
@@ -67,8 +70,12 @@ class Assembly final : public ResidualSink {
   std::map<std::pair<const ceres::LossFunction*, double>, ceres::LossFunction*> scaled_losses_;
 };
 
-/// The poses held by the gauge: those that are fixed; the first one where nothing is, and (unless
-/// `count_priors` is false) no prior holds the graph either.
-std::vector<bool> GaugeFixed(const Graph& graph, bool count_priors);
+/// What the gauge holds.
+struct Gauge {
+  std::vector<bool> poses, maps;
+};
+/// Poses and maps that are fixed; the first pose where nothing is, and (unless `count_priors` is
+/// false) no prior holds the graph either. Without priors, maps that had one are held.
+Gauge GaugeFixed(const Graph& graph, bool count_priors);
 
 }  // namespace planegraph

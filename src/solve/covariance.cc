@@ -18,15 +18,19 @@ using Eigen::Vector3d;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A quantity of six dimensions, linear in the perturbations of the poses: its derivative (6 x 6
-// poses), and the pose whose scale tells when a variance of it is infinite.
+// A quantity of six dimensions, linear in the perturbations of the poses and maps: its derivative
+// (rows: 6 for each pose, then 7 for each map), and the pose whose scale tells when a variance of it is infinite.
 struct Quantity {
   MatrixXd by_poses;
   int scale_pose = 0;
 };
 
+Eigen::Index Dimensions(const Graph& graph) {
+  return static_cast<Eigen::Index>(6 * graph.poses.size() + 7 * graph.maps.size());
+}
+
 Quantity PoseQuantity(const Graph& graph, int pose) {
-  Quantity quantity{MatrixXd::Zero(6, 6 * graph.poses.size()), pose};
+  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), pose};
   quantity.by_poses.middleCols<6>(6 * pose).setIdentity();
   return quantity;
 }
@@ -36,7 +40,7 @@ Quantity RelativeQuantity(const Graph& graph, int target, int source) {
   const Rigid3& a = graph.poses[target].world_from_node;
   const Rigid3& b = graph.poses[source].world_from_node;
   const Matrix3d to_target = a.rotation.toRotationMatrix().transpose();
-  Quantity quantity{MatrixXd::Zero(6, 6 * graph.poses.size()), source};
+  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), source};
   Matrix6d by_source = Matrix6d::Zero();
   by_source.topLeftCorner<3, 3>() = to_target;
   by_source.bottomRightCorner<3, 3>() = to_target;
@@ -55,7 +59,7 @@ class GraphCovariance::Implementation {
                  const CovarianceOptions& covariance_options)
       : graph_(graph), options_(covariance_options) {
     const LinearizedGraph linear = LinearizeGraph(graph, options);
-    PoseInformation information;
+    PoseInformation information(graph.poses.size());
     for (const auto& plane : linear.planes) {
       std::vector<const PlaneResidual*> residuals;
       for (const PlaneResidual& residual : plane) residuals.push_back(&residual);
@@ -77,6 +81,14 @@ class GraphCovariance::Implementation {
       covariance.col(k).setConstant(kNotANumber);
     }
     return covariance;
+  }
+
+  Matrix7d MapCovariance(int map) const {
+    const Eigen::Index first = Dimensions(graph_) - 7 * static_cast<int>(graph_.maps.size()) + 7 * map;
+    MatrixXd by_nodes = MatrixXd::Zero(7, Dimensions(graph_));
+    by_nodes.middleCols<7>(first).setIdentity();
+    const Matrix7d covariance = by_nodes * all_->Solve(by_nodes.transpose());
+    return 0.5 * (covariance + covariance.transpose());
   }
 
   std::vector<UnobservedDirection> Unobserved(const Quantity& quantity) const {
@@ -129,10 +141,11 @@ class GraphCovariance::Implementation {
     std::map<std::string, double> shares;
     for (const LinearizedPoseFactor& factor : pose_factors_) {
       Eigen::VectorXd moved = Eigen::VectorXd::Zero(factor.jacobians[0].rows());
-      for (int k = 0; k < 2 && factor.poses[k] >= 0; ++k) {
-        moved += factor.jacobians[k] * response.segment<6>(6 * factor.poses[k]);
+      for (int k = 0; k < factor.block_count; ++k) {
+        moved += factor.jacobians[k] *
+                 response.segment(FirstRow(factor.blocks[k]), factor.jacobians[k].cols());
       }
-      shares[graph_.pose_factors[factor.index].source] += moved.squaredNorm();
+      shares[SourceOf(factor)] += moved.squaredNorm();
     }
     std::string holder;
     double best = 0.0;
@@ -140,6 +153,16 @@ class GraphCovariance::Implementation {
       if (share > best) holder = source, best = share;
     }
     return holder;
+  }
+
+  Eigen::Index FirstRow(const BlockRef& block) const {
+    const auto poses = static_cast<Eigen::Index>(graph_.poses.size());
+    return block.kind == BlockKind::kMap ? 6 * poses + 7 * block.index : 6 * block.index;
+  }
+
+  const std::string& SourceOf(const LinearizedPoseFactor& factor) const {
+    return factor.tag.map_factor >= 0 ? graph_.map_factors[factor.tag.map_factor].source
+                                      : graph_.pose_factors[factor.tag.pose_factor].source;
   }
 
   Graph graph_;
@@ -163,6 +186,8 @@ Matrix6d GraphCovariance::Pose(int pose) const {
 Matrix6d GraphCovariance::Relative(int target, int source) const {
   return implementation_->Covariance(RelativeQuantity(implementation_->graph(), target, source));
 }
+
+Matrix7d GraphCovariance::Map(int map) const { return implementation_->MapCovariance(map); }
 
 std::vector<UnobservedDirection> GraphCovariance::Unobserved(int pose) const {
   return implementation_->Unobserved(PoseQuantity(implementation_->graph(), pose));

@@ -8,7 +8,7 @@ namespace planegraph {
 namespace {
 
 using Eigen::Matrix3d;
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
+using Matrix3n = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 7>;
 
 // Pseudo-inverse of the plane's 3x3 block, judged after scaling to unit diagonal (radians and
 // metres). A plane that one weak observation alone sees has directions without information.
@@ -23,27 +23,28 @@ Matrix3d PseudoInverse(const Matrix3d& h) {
   return scale.asDiagonal() * scaled * scale.asDiagonal();
 }
 
-// The part H_lp of a plane's normal equations, pose by pose.
+// The part H_lp of a plane's normal equations, node by node.
 struct Coupling {
-  int pose;
-  Matrix36 block;
+  int node;
+  Matrix3n block;
 };
 
-Matrix36& CouplingOf(int pose, std::vector<Coupling>* couplings) {
+void AddCoupling(int node, const Matrix3n& block, std::vector<Coupling>* couplings) {
   for (Coupling& coupling : *couplings) {
-    if (coupling.pose == pose) return coupling.block;
+    if (coupling.node != node) continue;
+    coupling.block += block;
+    return;
   }
-  couplings->push_back({pose, Matrix36::Zero()});
-  return couplings->back().block;
+  couplings->push_back({node, block});
 }
 
 void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* information) {
   for (int a = 0; a < residual.block_count; ++a) {
     for (int b = a; b < residual.block_count; ++b) {
-      if (residual.blocks[a].kind != BlockKind::kPose) continue;
-      if (residual.blocks[b].kind != BlockKind::kPose) continue;
+      if (residual.blocks[a].kind == BlockKind::kPlane) continue;
+      if (residual.blocks[b].kind == BlockKind::kPlane) continue;
       information->Add(
-          residual.blocks[a].index, residual.blocks[b].index,
+          information->NodeOf(residual.blocks[a]), information->NodeOf(residual.blocks[b]),
           weight * residual.linear.jacobians[a].transpose() * residual.linear.jacobians[b]);
     }
   }
@@ -51,23 +52,16 @@ void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* 
 
 }  // namespace
 
-void PoseInformation::Add(int row, int column, const Matrix6d& block) {
+void PoseInformation::Add(int row, int column, const NodeBlock& block) {
   const auto key = std::minmax(row, column);
-  const auto place = blocks_.try_emplace({key.first, key.second}, Matrix6d::Zero()).first;
-  if (row <= column) {
-    place->second += block;
-  } else {
-    place->second += block.transpose();
-  }
-}
-
-void PoseInformation::Add(const PoseInformation& other) {
-  for (const auto& [key, block] : other.blocks_) Add(key.first, key.second, block);
+  const NodeBlock upper = row <= column ? block : NodeBlock(block.transpose());
+  const auto [place, is_new] = blocks_.try_emplace({key.first, key.second}, upper);
+  if (!is_new) place->second += upper;
 }
 
 Matrix6d PoseInformation::Diagonal(int pose) const {
   const auto found = blocks_.find({pose, pose});
-  return found == blocks_.end() ? Matrix6d::Zero() : found->second;
+  return found == blocks_.end() ? Matrix6d::Zero() : Matrix6d(found->second);
 }
 
 void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, double weight,
@@ -81,26 +75,26 @@ void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, dou
       if (residual->blocks[k].kind != BlockKind::kPlane) continue;
       h_ll += jacobians[k].transpose() * jacobians[k];
       for (int p = 0; p < residual->block_count; ++p) {
-        if (residual->blocks[p].kind != BlockKind::kPose) continue;
-        CouplingOf(residual->blocks[p].index, &couplings) +=
-            jacobians[k].transpose() * jacobians[p];
+        if (residual->blocks[p].kind == BlockKind::kPlane) continue;
+        AddCoupling(information->NodeOf(residual->blocks[p]),
+                    jacobians[k].transpose() * jacobians[p], &couplings);
       }
     }
   }
   if (couplings.empty()) return;
   const Matrix3d inverse = -weight * PseudoInverse(h_ll);
   for (std::size_t a = 0; a < couplings.size(); ++a) {
-    const Eigen::Matrix<double, 6, 3> left = couplings[a].block.transpose() * inverse;
+    const NodeBlock left = couplings[a].block.transpose() * inverse;
     for (std::size_t b = a; b < couplings.size(); ++b) {
-      information->Add(couplings[a].pose, couplings[b].pose, left * couplings[b].block);
+      information->Add(couplings[a].node, couplings[b].node, left * couplings[b].block);
     }
   }
 }
 
 void AddPoseFactorInformation(const LinearizedPoseFactor& factor, PoseInformation* information) {
-  for (int a = 0; a < 2 && factor.poses[a] >= 0; ++a) {
-    for (int b = a; b < 2 && factor.poses[b] >= 0; ++b) {
-      information->Add(factor.poses[a], factor.poses[b],
+  for (int a = 0; a < factor.block_count; ++a) {
+    for (int b = a; b < factor.block_count; ++b) {
+      information->Add(information->NodeOf(factor.blocks[a]), information->NodeOf(factor.blocks[b]),
                        factor.jacobians[a].transpose() * factor.jacobians[b]);
     }
   }
@@ -118,12 +112,8 @@ LinearizedGraph LinearizeGraph(const Graph& graph, const SolveOptions& options) 
           {residual.blocks, residual.block_count, residual.tag, linear});
       continue;
     }
-    LinearizedPoseFactor& factor = result.pose_factors.emplace_back();
-    factor.index = residual.tag.pose_factor;
-    for (int k = 0; k < residual.block_count; ++k) {
-      factor.poses[k] = residual.blocks[k].index;
-      factor.jacobians[k] = linear.jacobians[k];
-    }
+    result.pose_factors.push_back(
+        {residual.tag, residual.blocks, residual.block_count, linear.jacobians});
   }
   return result;
 }

@@ -8,25 +8,37 @@
 
 namespace planegraph {
 
-/// A symmetric matrix of 6x6 blocks over the poses, upper blocks (row <= column) only.
+/// What two nodes (poses of six dimensions, maps of seven) have in common; no heap.
+using NodeBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
+
+/// A symmetric matrix over the nodes of a graph, its poses first, then its maps; upper blocks (row
+/// <= column) only.
 class PoseInformation {
  public:
+  explicit PoseInformation(std::size_t pose_count) : pose_count_(static_cast<int>(pose_count)) {}
+
+  int pose_count() const { return pose_count_; }
+  /// The node of a pose's or a map's block.
+  int NodeOf(const BlockRef& block) const {
+    return block.kind == BlockKind::kMap ? pose_count_ + block.index : block.index;
+  }
   /// Adds `block` at (row, column), or its transpose where that is the lower half. A diagonal block
   /// is taken as it is.
-  void Add(int row, int column, const Matrix6d& block);
-  void Add(const PoseInformation& other);
+  void Add(int row, int column, const NodeBlock& block);
   /// The block of one pose; zero where there is none.
   Matrix6d Diagonal(int pose) const;
-  const std::map<std::pair<int, int>, Matrix6d>& blocks() const { return blocks_; }
+  const std::map<std::pair<int, int>, NodeBlock>& blocks() const { return blocks_; }
 
  private:
-  std::map<std::pair<int, int>, Matrix6d> blocks_;
+  int pose_count_;
+  std::map<std::pair<int, int>, NodeBlock> blocks_;
 };
 
-/// A pose factor, linearized: its Jacobians by the world perturbations of its poses.
+/// A factor of poses or maps, linearized: its Jacobians by the world perturbations of its nodes.
 struct LinearizedPoseFactor {
-  int index = 0;  ///< in Graph::pose_factors
-  std::array<int, 2> poses{-1, -1};
+  ResidualTag tag;
+  std::array<BlockRef, 2> blocks;
+  int block_count = 0;
   std::array<Eigen::MatrixXd, 2> jacobians;
 };
 

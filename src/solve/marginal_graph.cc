@@ -15,7 +15,9 @@ Pair Ordered(const Pair& pair) { return std::minmax(pair.first, pair.second); }
 
 std::set<int> PosesOf(const PlaneLandmark& plane) {
   std::set<int> poses;
-  for (const PlaneObservation& seen : plane.observations) poses.insert(seen.pose);
+  for (const PlaneObservation& seen : plane.observations) {
+    if (seen.map < 0) poses.insert(seen.pose);
+  }
   return poses;
 }
 
@@ -33,6 +35,7 @@ std::vector<Pair> PairsOf(const std::set<int>& poses, const std::map<Pair, Matri
 bool Concerns(const PlaneResidual& residual, const Pair& pair) {
   for (int k = 0; k < residual.block_count; ++k) {
     const BlockRef& block = residual.blocks[k];
+    if (block.kind == BlockKind::kMap) return false;
     if (block.kind != BlockKind::kPose) continue;
     if (block.index != pair.first && block.index != pair.second) return false;
   }
@@ -53,7 +56,7 @@ void AddPlane(const PlaneLandmark& plane, const std::vector<PlaneResidual>& resi
     for (const PlaneResidual& residual : residuals) {
       if (Concerns(residual, pair)) concerned.push_back(&residual);
     }
-    PoseInformation information;
+    PoseInformation information(static_cast<std::size_t>(*poses.rbegin()) + 1);
     AddPlaneInformation(concerned, plane_blocks ? share : 1.0, &information);
     (*wanted)[pair] += information.Diagonal(pair.second);
   }
@@ -61,11 +64,11 @@ void AddPlane(const PlaneLandmark& plane, const std::vector<PlaneResidual>& resi
 
 void AddPoseFactors(const LinearizedGraph& linear, std::map<Pair, Matrix6d>* wanted) {
   for (const LinearizedPoseFactor& factor : linear.pose_factors) {
-    if (factor.poses[1] < 0) continue;
-    const Pair pair = Ordered({factor.poses[0], factor.poses[1]});
+    if (factor.block_count < 2 || factor.tag.pose_factor < 0) continue;
+    const Pair pair = Ordered({factor.blocks[0].index, factor.blocks[1].index});
     const auto found = wanted->find(pair);
     if (found == wanted->end()) continue;
-    PoseInformation information;
+    PoseInformation information(static_cast<std::size_t>(pair.second) + 1);
     AddPoseFactorInformation(factor, &information);
     found->second += information.Diagonal(pair.second);
   }

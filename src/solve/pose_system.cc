@@ -16,23 +16,28 @@ double UnitScale(double trace) { return trace > 0.0 ? 1.0 / std::sqrt(trace / 3.
 
 }  // namespace
 
-PoseSystem::PoseSystem(const PoseInformation& information, const std::vector<bool>& fixed)
-    : place_(fixed.size(), -1) {
+PoseSystem::PoseSystem(const PoseInformation& information, const Gauge& gauge) : first_row_{0} {
   int free = 0;
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (!fixed[i]) place_[i] = free++;
-  }
-  scale_.setOnes(6 * free);
+  const auto add_node = [&](int dimension, bool fixed) {
+    place_.push_back(fixed ? -1 : free);
+    free += fixed ? 0 : dimension;
+    first_row_.push_back(first_row_.back() + dimension);
+  };
+  for (const bool fixed : gauge.poses) add_node(kPoseTangent, fixed);
+  for (const bool fixed : gauge.maps) add_node(kMapTangent, fixed);
+  scale_.setOnes(free);
   SetScale(information);
   if (free > 0) Factorize(information);
 }
 
 void PoseSystem::SetScale(const PoseInformation& information) {
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] < 0) continue;
-    const Vector6d diagonal = information.Diagonal(static_cast<int>(i)).diagonal();
-    scale_.segment<3>(6 * place_[i]).setConstant(UnitScale(diagonal.head<3>().sum()));
-    scale_.segment<3>(6 * place_[i] + 3).setConstant(UnitScale(diagonal.tail<3>().sum()));
+  for (const auto& [key, block] : information.blocks()) {
+    const int at = place_[key.first];
+    if (key.first != key.second || at < 0) continue;
+    const Eigen::VectorXd diagonal = block.diagonal();
+    scale_.segment<3>(at).setConstant(UnitScale(diagonal.head<3>().sum()));
+    scale_.segment<3>(at + 3).setConstant(UnitScale(diagonal.segment<3>(3).sum()));
+    if (diagonal.size() > 6) scale_[at + 6] = UnitScale(3.0 * diagonal[6]);
   }
 }
 
@@ -40,11 +45,11 @@ void PoseSystem::Factorize(const PoseInformation& information) {
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(36 * information.blocks().size() + scale_.size());
   for (const auto& [key, block] : information.blocks()) {
-    const int row = 6 * place_[key.first], column = 6 * place_[key.second];
+    const int row = place_[key.first], column = place_[key.second];
     if (row < 0 || column < 0) continue;
-    for (int a = 0; a < 6; ++a) {
-      for (int b = key.first == key.second ? a : 0; b < 6; ++b) {
-        // The lower half, which is what the factorization reads; places keep the poses' order.
+    for (int a = 0; a < block.rows(); ++a) {
+      for (int b = key.first == key.second ? a : 0; b < block.cols(); ++b) {
+        // The lower half, which is what the factorization reads; places keep the nodes' order.
         triplets.emplace_back(column + b, row + a,
                               scale_[row + a] * block(a, b) * scale_[column + b]);
       }
@@ -62,18 +67,20 @@ Eigen::MatrixXd PoseSystem::Solve(const Eigen::MatrixXd& rhs) const {
   if (scale_.size() == 0) return result;
   Eigen::MatrixXd reduced(scale_.size(), rhs.cols());
   for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] >= 0) reduced.middleRows<6>(6 * place_[i]) = rhs.middleRows<6>(6 * i);
+    if (place_[i] < 0) continue;
+    reduced.middleRows(place_[i], Dimension(i)) = rhs.middleRows(first_row_[i], Dimension(i));
   }
   reduced = scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * reduced).eval();
   for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] >= 0) result.middleRows<6>(6 * i) = reduced.middleRows<6>(6 * place_[i]);
+    if (place_[i] < 0) continue;
+    result.middleRows(first_row_[i], Dimension(i)) = reduced.middleRows(place_[i], Dimension(i));
   }
   return result;
 }
 
 double PoseSystem::InfiniteVariance(int pose, bool rotation) const {
   if (place_[pose] < 0) return INFINITY;
-  const double scale = scale_[6 * place_[pose] + (rotation ? 3 : 0)];
+  const double scale = scale_[place_[pose] + (rotation ? 3 : 0)];
   return kInfinite * scale * scale;
 }
 

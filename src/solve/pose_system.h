@@ -15,22 +15,26 @@ namespace planegraph {
 /// all others keep their digits.
 class PoseSystem {
  public:
-  PoseSystem(const PoseInformation& information, const std::vector<bool>& fixed);
+  PoseSystem(const PoseInformation& information, const Gauge& gauge);
 
   bool Fixed(int pose) const { return place_[pose] < 0; }
-  /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, zero for fixed poses.
+  /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, then 7 per map, zero for
+  /// what the gauge holds.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs) const;
   /// The variance (m^2 for the translation, rad^2 for the rotation) from which a direction of the
   /// pose counts as not observed at all.
   double InfiniteVariance(int pose, bool rotation) const;
-  int rows() const { return 6 * static_cast<int>(place_.size()); }
+  int rows() const { return first_row_.back(); }
 
  private:
   void SetScale(const PoseInformation& information);
   void Factorize(const PoseInformation& information);
 
-  std::vector<int> place_;  // of a pose among those that are free, or -1
-  Eigen::VectorXd scale_;   // over the free poses
+  int Dimension(std::size_t node) const { return first_row_[node + 1] - first_row_[node]; }
+
+  std::vector<int> first_row_;  // of each node among all, and their end
+  std::vector<int> place_;      // first row of a node among those that are free, or -1
+  Eigen::VectorXd scale_;       // over the free nodes
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky_;
 };
 

@@ -17,10 +17,16 @@ constexpr int kDenseSchurPoses = 100;
 struct Manifolds {
   Se3Manifold pose;
   PlaneManifold plane;
+  Sim3Manifold map;
 };
 
 struct BlockUse {
-  std::vector<bool> poses, planes;  // named by a residual
+  std::vector<bool> poses, planes, maps;  // named by a residual
+
+  std::vector<bool>& Of(BlockKind kind) {
+    if (kind == BlockKind::kMap) return maps;
+    return kind == BlockKind::kPose ? poses : planes;
+  }
 };
 
 // All objects belong to the assembly and to `Solve`; Ceres gets to delete nothing.
@@ -34,22 +40,27 @@ ceres::Problem::Options CheapProblem() {
 }
 
 BlockUse FindUsedBlocks(const Graph& graph, const Assembly& assembly) {
-  BlockUse use{std::vector<bool>(graph.poses.size()), std::vector<bool>(graph.planes.size())};
+  BlockUse use{std::vector<bool>(graph.poses.size()), std::vector<bool>(graph.planes.size()),
+               std::vector<bool>(graph.maps.size())};
   for (const Residual& residual : assembly.residuals()) {
     for (int k = 0; k < residual.block_count; ++k) {
-      const BlockRef& block = residual.blocks[k];
-      (block.kind == BlockKind::kPose ? use.poses : use.planes)[block.index] = true;
+      use.Of(residual.blocks[k].kind)[residual.blocks[k].index] = true;
     }
   }
   return use;
 }
 
-void AddBlocks(const Graph& graph, const BlockUse& use, const std::vector<bool>& fixed,
+void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge,
                Manifolds* manifolds, Assembly* assembly, ceres::Problem* problem) {
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i) {
     if (!use.poses[i]) continue;
     problem->AddParameterBlock(assembly->PoseBlock(i), kPoseSize, &manifolds->pose);
-    if (fixed[i]) problem->SetParameterBlockConstant(assembly->PoseBlock(i));
+    if (gauge.poses[i]) problem->SetParameterBlockConstant(assembly->PoseBlock(i));
+  }
+  for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
+    if (!use.maps[m]) continue;
+    problem->AddParameterBlock(assembly->MapBlock(m), kMapSize, &manifolds->map);
+    if (gauge.maps[m]) problem->SetParameterBlockConstant(assembly->MapBlock(m));
   }
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
     if (!use.planes[k]) continue;
@@ -84,6 +95,9 @@ std::shared_ptr<ceres::ParameterBlockOrdering> PlanesFirst(const Graph& graph, c
   }
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i) {
     if (use.poses[i]) ordering->AddElementToGroup(assembly->PoseBlock(i), 1);
+  }
+  for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
+    if (use.maps[m]) ordering->AddElementToGroup(assembly->MapBlock(m), 1);
   }
   return ordering;
 }
@@ -153,7 +167,7 @@ SolveSummary Solve(Graph* graph, const SolveOptions& options) {
     assembly.Store(graph);
     // Planes that are no unknowns of the problem follow from the poses.
     if (!assembly.plane_blocks()) {
-      for (PlaneLandmark& plane : graph->planes) FitLandmark(graph->poses, &plane);
+      for (PlaneLandmark& plane : graph->planes) FitLandmark(*graph, &plane);
     }
   }
   if (options.collect_residuals) summary.residuals = CollectResiduals(&assembly);

@@ -19,7 +19,9 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 const ceres::Manifold& ManifoldOf(BlockKind kind) {
   static const Se3Manifold pose;
   static const PlaneManifold plane;
+  static const Sim3Manifold map;
   if (kind == BlockKind::kPose) return pose;
+  if (kind == BlockKind::kMap) return map;
   return plane;
 }
 
@@ -34,12 +36,21 @@ VectorXd Evaluate(const FactorSample& sample, std::size_t block, const VectorXd&
   return residual;
 }
 
+// Whether a tangent's column is a length, and where the lengths of a block's values begin and end.
+bool IsLength(BlockKind kind, int column) {
+  return kind == BlockKind::kPlane ? column == 2 : column < 3;
+}
+std::pair<std::size_t, std::size_t> Lengths(BlockKind kind) {
+  if (kind == BlockKind::kPlane) return {3, 4};
+  return {4, 7};
+}
+
 // Central differences in the tangent space, two steps extrapolated (Richardson).
 MatrixXd NumericJacobian(const FactorSample& sample, std::size_t block, double length) {
   const int size = ManifoldOf(sample.kinds[block]).TangentSize();
   MatrixXd jacobian(sample.cost->num_residuals(), size);
   for (int k = 0; k < size; ++k) {
-    const bool is_length = sample.kinds[block] == BlockKind::kPose ? k < 3 : k == 2;
+    const bool is_length = IsLength(sample.kinds[block], k);
     const double h = is_length ? 1e-2 * length : 1e-4;
     const auto difference = [&](double step) -> VectorXd {
       const VectorXd delta = step * VectorXd::Unit(size, k);
@@ -68,7 +79,8 @@ double LengthOf(const FactorSample& sample) {
   double length = 1e-3;
   for (std::size_t block = 0; block < sample.kinds.size(); ++block) {
     const auto& value = sample.values[block];
-    for (std::size_t k = sample.kinds[block] == BlockKind::kPose ? 4 : 3; k < value.size(); ++k) {
+    const auto [first, last] = Lengths(sample.kinds[block]);
+    for (std::size_t k = first; k < last; ++k) {
       length = std::max(length, std::abs(value[k]));
     }
   }
@@ -86,7 +98,7 @@ double JacobianError(const FactorSample& sample) {
     const VectorXd residual =
         Evaluate(sample, block, VectorXd::Zero(ManifoldOf(sample.kinds[block]).TangentSize()));
     for (int column = 0; column < analytic.cols(); ++column) {
-      const bool is_length = sample.kinds[block] == BlockKind::kPose ? column < 3 : column == 2;
+      const bool is_length = IsLength(sample.kinds[block], column);
       const double unit = is_length ? length : 1.0;
       const double size = analytic.col(column).norm() * unit + analytic.norm() * 1e-3 * unit +
                           residual.norm() * 1e-3;
@@ -116,8 +128,11 @@ TEST_P(EveryFactor, SaysWhatItIs) {
   EXPECT_FALSE(type().residual.empty());
   EXPECT_EQ(type().description.find('\n'), std::string::npos);
   for (const FactorParameter& parameter : type().parameters) EXPECT_FALSE(parameter.unit.empty());
-  EXPECT_EQ(static_cast<bool>(type().add_plane), type().kind == FactorKind::kPlane);
-  EXPECT_EQ(static_cast<bool>(type().make_cost), type().kind == FactorKind::kPose);
+  const FactorKind kind = type().kind;
+  EXPECT_EQ(static_cast<bool>(type().add_plane),
+            kind == FactorKind::kPlane || kind == FactorKind::kMapPlane);
+  EXPECT_EQ(static_cast<bool>(type().make_cost), kind == FactorKind::kPose);
+  EXPECT_EQ(static_cast<bool>(type().make_map_cost), kind == FactorKind::kMap);
 }
 
 std::vector<std::string> AllNames() {

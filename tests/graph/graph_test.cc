@@ -86,7 +86,7 @@ TEST(FitLandmark, FindsThePlaneOfNoiseFreeObservations) {
   PlaneLandmark plane = MakePlaneLandmark(graph, observations);
   plane.normal = (plane.normal + Eigen::Vector3d(0.2, -0.1, 0.3)).normalized();
   plane.offset += 1.0;
-  FitLandmark(graph.poses, &plane);
+  FitLandmark(graph, &plane);
   EXPECT_LT((plane.WorldPlane().normal - world.normal).norm(), 1e-12);
   EXPECT_NEAR(plane.WorldPlane().distance, world.distance, 1e-12);
 }

@@ -22,9 +22,16 @@ struct Surfel {
   double HeightVariance(const Eigen::Vector3d& point) const;
 };
 
-/// The surfels of a plane set. Points within `correlation_length` of each other do not count as
-/// independent.
-std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_length = 0.05);
+/// Points of a surface nearer than this do not count as independent, metres: multi-view stereo
+/// matches and smooths over windows.
+double CorrelationLength(CloudKind kind);
+
+/// The surfels of a plane set; points within `correlation_length` of each other do not count as
+/// independent. A patch that may face either way is two surfels, one for each.
+std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_length);
+inline std::vector<Surfel> MakeSurfels(const PlaneSet& planes) {
+  return MakeSurfels(planes, CorrelationLength(planes.kind));
+}
 
 /// A hash grid over surfels that answers which surface lies at a point.
 class PatchMap {

@@ -4,6 +4,11 @@
 
 namespace planegraph {
 
+/// 7x7 in the order x y z rx ry rz log(scale): decoupled left perturbation R <- Exp(r) R, t <- t +
+/// x in the target's axes, s <- s exp(l); metres and radians.
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+
 /// A similarity named `target_from_source`: x_target = scale * rotation * x_source + translation.
 struct Sim3 {
   double scale = 1.0;

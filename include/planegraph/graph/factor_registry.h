@@ -14,9 +14,9 @@
 namespace planegraph {
 
 /// The kinds of parameter blocks; each has a manifold (graph/manifolds.h).
-enum class BlockKind { kPose, kPlane };
+enum class BlockKind { kPose, kPlane, kMap };
 
-/// One parameter block of the problem: the pose or plane of that index in the graph.
+/// One parameter block of the problem: the pose, plane or map of that index in the graph.
 struct BlockRef {
   BlockKind kind = BlockKind::kPose;
   int index = 0;
@@ -28,6 +28,7 @@ struct ResidualTag {
   int observation = -1;        ///< index in its observations
   int other_observation = -1;  ///< the second one of a pose-pose factor
   int pose_factor = -1;        ///< index in Graph::pose_factors
+  int map_factor = -1;         ///< index in Graph::map_factors
 };
 
 /// Takes the residuals that a factor makes.
@@ -62,7 +63,11 @@ struct FactorSample {
   std::vector<std::vector<double>> values;
 };
 
-enum class FactorKind { kPlane, kPose };
+/// kPlane: planes seen from poses. kMapPlane: planes seen in maps, beside a kPlane factor with the
+/// same plane_blocks. kPose, kMap: measurements of poses, of maps.
+enum class FactorKind { kPlane, kMapPlane, kPose, kMap };
+/// "plane", "map plane", "pose", "map".
+const char* ToString(FactorKind kind);
 
 /// A cost variant. It lives in one file factors/NAME.cc with a function Register_NAME.
 struct FactorType {
@@ -73,13 +78,16 @@ struct FactorType {
   std::vector<FactorParameter> parameters;
   bool plane_blocks = false;  ///< the planes are unknowns of the problem
 
-  /// Plane kind: adds the residuals of Graph::planes[index].
+  /// Both plane kinds: adds the residuals of the observations of Graph::planes[index] that are the
+  /// kind's.
   std::function<void(const Graph& graph, int index, const FactorOptions& options,
                      ResidualSink* sink)>
       add_plane;
   /// Pose kind: the cost over the blocks of factor.poses, in that order.
   std::function<std::unique_ptr<ceres::CostFunction>(const PoseFactor& factor)> make_cost;
-  /// Both: a random cost and state, over the full range of scales and angles.
+  /// Map kind: the cost over the blocks of factor.maps, in that order.
+  std::function<std::unique_ptr<ceres::CostFunction>(const MapFactor& factor)> make_map_cost;
+  /// All: a random cost and state, over the full range of scales and angles.
   std::function<FactorSample(std::mt19937_64* rng)> sample;
 
   /// Throws UsageError for an option that the factor does not have.
@@ -94,6 +102,8 @@ class FactorRegistry {
   /// Throws UsageError, with the names there are, for one that does not exist or is of the other
   /// kind.
   const FactorType& Get(const std::string& name, FactorKind kind) const;
+  /// The kMapPlane factor that goes with a plane factor. Throws UsageError where there is none.
+  const FactorType& MapPlaneFactorFor(const FactorType& plane_factor) const;
   const std::map<std::string, FactorType>& types() const { return types_; }
 
  private:

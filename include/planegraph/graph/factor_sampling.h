@@ -22,6 +22,7 @@ class FactorSampler {
   Rigid3 Pose() { return {Rotation(), Point()}; }
   /// A pose within a tenth of a radian (and of the scale) of another.
   Rigid3 Near(const Rigid3& pose);
+  Sim3 Map() { return {LogUniform(1e-3, 1e3), Rotation(), Point()}; }
   PlaneObservation Observation(int pose);
   /// A landmark without observations; one in four passes through its anchor, one in four is
   /// anchored at the origin.
@@ -31,6 +32,7 @@ class FactorSampler {
 
   static std::vector<double> Block(const Rigid3& pose);
   static std::vector<double> Block(const PlaneLandmark& plane);
+  static std::vector<double> Block(const Sim3& map);
 
  private:
   std::mt19937_64& rng_;

@@ -6,6 +6,7 @@
 
 #include "planegraph/geometry/plane.h"
 #include "planegraph/geometry/rigid3.h"
+#include "planegraph/geometry/sim3.h"
 #include "planegraph/segmentation/plane_segment.h"
 
 namespace planegraph {
@@ -20,10 +21,18 @@ struct PoseNode {
   bool fixed = false;  ///< held by the gauge
 };
 
-/// A plane segment seen from one pose, reduced to what the factors need. All of it in the node's
+/// A drone map (or a tile of one) to be placed: a rigid body of unknown scale.
+struct MapNode {
+  std::string id;
+  Sim3 world_from_map;
+  bool fixed = false;  ///< held by the gauge
+};
+
+/// A plane segment seen from one pose, or in one map, reduced to what the factors need. All of it in the node's
 /// frame.
 struct PlaneObservation {
-  int pose = 0;
+  int pose = 0;  ///< index in Graph::poses; without meaning where `map` is set
+  int map = -1;  ///< index in Graph::maps; -1: seen from a pose. Weights are per metre of the world
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   /// Columns: the normal (MakePlaneObservation: the segment's; factors work with either sign), then
   /// the two in-plane axes.
@@ -67,12 +76,30 @@ PoseFactor MakeRelativePose(int target, int source, const Rigid3& target_from_so
                             const Matrix6d& information, const std::string& measured_by);
 PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d& information);
 
-/// Poses, planes and what ties them.
+/// A measurement of one map, or between two. For `camera_position`: the map and one of its cameras,
+/// `point` (map frame) at `position` (world, metres) by GPS, `information` in its upper left 3x3
+/// block. For `map_tie`: maps (target, source) with `measurement` target_from_source.
+struct MapFactor {
+  std::string type = "camera_position";
+  std::vector<int> maps;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), position = Eigen::Vector3d::Zero();
+  Sim3 measurement;
+  Matrix7d information = Matrix7d::Identity();
+  std::string source = "gps";  ///< who measured it
+  bool robust = false;         ///< takes SolveOptions::pose_loss
+};
+
+/// Poses, drone maps, planes and what ties them.
 struct Graph {
   std::vector<PoseNode> poses;
+  std::vector<MapNode> maps;
   std::vector<PlaneLandmark> planes;
   std::vector<PoseFactor> pose_factors;
+  std::vector<MapFactor> map_factors;
 };
+
+/// The similarity that takes an observation's frame to the world.
+Sim3 WorldFromObservation(const Graph& graph, const PlaneObservation& seen);
 
 /// The observation of a segment: weights from its covariance. Segments whose covariance is not
 /// positive definite give zero weights in what is not known.
@@ -83,8 +110,8 @@ PlaneObservation MakePlaneObservation(int pose, const PlaneSegment& segment);
 PlaneLandmark MakePlaneLandmark(const Graph& graph, std::vector<PlaneObservation> observations);
 
 /// Moves normal and offset of a landmark to the least-squares plane of its observations under the
-/// graph's poses (the minimum of the moment factors over the plane alone).
-void FitLandmark(const std::vector<PoseNode>& poses, PlaneLandmark* landmark);
+/// graph's poses and maps (the minimum of the moment factors over the plane alone).
+void FitLandmark(const Graph& graph, PlaneLandmark* landmark);
 
 /// Indices in range, unit normals and quaternions, finite numbers. Throws std::invalid_argument.
 void CheckGraph(const Graph& graph);

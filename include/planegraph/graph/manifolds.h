@@ -3,8 +3,10 @@
 #include <ceres/manifold.h>
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "planegraph/geometry/rigid3.h"
+#include "planegraph/geometry/sim3.h"
 
 namespace planegraph {
 
@@ -13,6 +15,7 @@ namespace planegraph {
 
 inline constexpr int kPoseSize = 7, kPoseTangent = 6;
 inline constexpr int kPlaneSize = 4, kPlaneTangent = 3;
+inline constexpr int kMapSize = 8, kMapTangent = 7;
 
 /// A rigid motion, stored qx qy qz qw tx ty tz. Tangent x y z rx ry rz: the decoupled left
 /// perturbation R <- Exp(r) R, t <- t + x in the target's axes, metres and radians.
@@ -53,6 +56,25 @@ class PlaneManifold final : public ceres::Manifold {
   UnitVectorManifold normal_;
 };
 
+/// A similarity, stored qx qy qz qw tx ty tz log(s). Tangent x y z rx ry rz l: as Se3Manifold, and
+/// s <- s exp(l).
+class Sim3Manifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return kMapSize; }
+  int TangentSize() const override { return kMapTangent; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
+  bool PlusJacobian(const double* x, double* jacobian) const override;
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+  bool MinusJacobian(const double* x, double* jacobian) const override;
+
+ private:
+  Se3Manifold rigid_;
+};
+
+/// Reads and writes a map block.
+Sim3 MapFromBlock(const double* block);
+void MapToBlock(const Sim3& map, double* block);
+
 /// Reads and writes a pose block.
 Rigid3 PoseFromBlock(const double* block);
 void PoseToBlock(const Rigid3& pose, double* block);
@@ -72,6 +94,17 @@ struct PoseView {
     Eigen::Map<Eigen::Vector3d>(row, 3) = 2.0 * (q[3] * dr + dr.cross(q.head<3>()));
     row[3] = -2.0 * dr.dot(q.head<3>());
     Eigen::Map<Eigen::Vector3d>(row + 4) = dx;
+  }
+};
+
+/// The same for a map block; SetRow takes d/dl, too, and fills 8 numbers.
+struct MapView {
+  explicit MapView(const double* block) : rigid(block), scale(std::exp(block[7])) {}
+  PoseView rigid;
+  double scale;
+  void SetRow(const Eigen::Vector3d& dx, const Eigen::Vector3d& dr, double dl, double* row) const {
+    rigid.SetRow(dx, dr, row);
+    row[7] = dl;
   }
 };
 

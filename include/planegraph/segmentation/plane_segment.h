@@ -15,7 +15,7 @@ namespace planegraph {
 /// Where a cloud comes from: it decides on noise floors and on how normals are turned.
 enum class CloudKind { kLaser, kVision };
 
-/// How the sign of a segment's normal was found.
+/// How the sign of a normal was found: it points to the side that the sensor saw, or nobody knows.
 enum class Orientation { kSensor, kUnknown };
 
 /// A small planar piece of a surface: the points within one cell of the segmentation's octree.
@@ -26,6 +26,7 @@ struct Patch {
   double size = 0.0;       ///< edge length of the cell, metres
   double sigma = 0.0;      ///< noise of one point along the normal by the sensor's model, metres
   int segment = -1;        ///< index into PlaneSet::planes, -1: part of none
+  Orientation orientation = Orientation::kSensor;
 };
 
 /// Cells of a grid in the segment's plane that hold points: which part of the plane was seen. The

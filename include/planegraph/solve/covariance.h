@@ -32,6 +32,8 @@ class GraphCovariance {
   Matrix6d Pose(int pose) const;
   /// Covariance of target_from_source; NaN as above.
   Matrix6d Relative(int target, int source) const;
+  /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map.
+  Matrix7d Map(int map) const;
   /// What the planes leave open at this pose, translations first, the weakest first.
   std::vector<UnobservedDirection> Unobserved(int pose) const;
   /// The same for target_from_source, in the target's axes.

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+
+#include "planegraph/correspondence/scan_model.h"
+
+namespace planegraph {
+
+class DirectionGrid;
+
+/// A drone map made ready for registration; built once. It refers to the plane set, which must
+/// outlive it. Its frame is metric as far as the map's scale is known.
+class MapModel {
+ public:
+  explicit MapModel(const PlaneSet& planes);
+
+  const PlaneSet& planes() const { return *surfaces_.planes; }
+  const PatchMap& surfaces() const { return surfaces_.map; }
+  const std::vector<DirectionCluster>& directions() const { return surfaces_.directions; }
+  const DirectionGrid& grid() const { return *grid_; }
+  /// Surfels with their mean within `radius` metres of a place: a section of the map.
+  std::vector<std::uint32_t> Section(const Eigen::Vector3d& centre, double radius) const;
+
+ private:
+  ScanModel surfaces_;
+  std::shared_ptr<const DirectionGrid> grid_;
+};
+
+}  // namespace planegraph

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "planegraph/correspondence/patch_map.h"
+
+namespace planegraph {
+
+/// A map's surfaces as voxels, one layer of bytes for each of 26 classes of directions: the table
+/// that votes for translations are counted in, all at once.
+class DirectionGrid {
+ public:
+  static constexpr int kClasses = 26;
+
+  /// `voxel`: edge in metres; it grows where the map would need more than 2^26 voxels.
+  DirectionGrid(const std::vector<Surfel>& surfels, double voxel);
+
+  /// A surface that votes: its place relative to the body that is looked for, map axes, metres.
+  struct Voter {
+    Eigen::Vector3d place;
+    int direction;  ///< ClassOf its normal, map axes
+  };
+  /// A translation with the number of voters that then lie on a surface that faces like them.
+  struct Vote {
+    Eigen::Vector3d translation;
+    int count;
+  };
+  struct Window {
+    Eigen::Vector3d low, high;  ///< of the translations that are tried
+  };
+  /// The translations (voxel centres) with the most votes, best first, none a neighbour of a better
+  /// one. At most 255 voters count.
+  std::vector<Vote> Count(const std::vector<Voter>& voters, const Window& window,
+                          std::size_t most) const;
+
+  static int ClassOf(const Eigen::Vector3d& normal);
+  double voxel() const { return voxel_; }
+  const Eigen::Vector3d& low() const { return low_; }
+  Eigen::Vector3d high() const { return low_ + voxel_ * size_.cast<double>(); }
+
+ private:
+  void Mark(const Surfel& surfel);
+  void MarkPoint(const Eigen::Vector3d& point, const std::vector<int>& classes);
+  std::size_t Index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * size_.y() + y) * size_.x() + x;
+  }
+
+  double voxel_;
+  Eigen::Vector3d low_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  std::array<std::vector<std::uint8_t>, kClasses> layers_;  // empty: no surface of that class
+};
+
+}  // namespace planegraph

@@ -1,0 +1,122 @@
+#include "planegraph/correspondence/map_hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "correspondence/direction_grid.h"
+#include "correspondence/rotation_hypotheses.h"
+#include "planegraph/base/parallel.h"
+#include "planegraph/geometry/rotation.h"
+
+namespace planegraph {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kMostRotations = 48;
+constexpr double kHeadingStep = 6.0 * kDegree;
+constexpr double kScaleStep = 0.025;  // of log(scale): half a voxel at a distance of 16 m
+constexpr double kSigmas = 3.0;       // how far a prior is believed to be off
+constexpr std::size_t kVotesPerRotation = 12;
+
+double Tilt(const Eigen::Matrix3d& map_from_group) {
+  return std::acos(std::clamp(map_from_group(2, 2), -1.0, 1.0));
+}
+
+bool Allowed(const MapPrior& prior, const Eigen::Matrix3d& rotation) {
+  if (prior.upright && Tilt(rotation) > prior.most_tilt) return false;
+  if (!prior.pose) return true;
+  const double angle =
+      AngleBetween(prior.pose->map_from_group.rotation, Eigen::Quaterniond(rotation));
+  return angle <= std::sqrt(3.0) * kSigmas * prior.pose->sigma_rotation + 2.0 * kDegree;
+}
+
+// The group's vertical: of the directions within the tilt that is allowed the heaviest, the ground's.
+Eigen::Vector3d UpOf(const std::vector<DirectionCluster>& directions, double most_tilt) {
+  for (const auto& cluster : directions) {
+    if (cluster.direction.z() > std::cos(most_tilt)) return cluster.direction;
+  }
+  return Eigen::Vector3d::UnitZ();
+}
+
+std::vector<Eigen::Matrix3d> Rotations(const MapModel& map, const ScanGroup& group,
+                                       const MapPrior& prior) {
+  const std::vector<DirectionCluster> directions = DirectionsOf(group);
+  std::vector<Eigen::Matrix3d> rotations;
+  const auto add = [&](const Eigen::Matrix3d& rotation) {
+    if (Allowed(prior, rotation)) rotations.push_back(rotation);
+  };
+  for (const auto& r : FindRotations(map.directions(), directions, kMostRotations)) {
+    add(r.target_from_source);
+  }
+  if (prior.pose) add(prior.pose->map_from_group.rotation.toRotationMatrix());
+  if (!prior.upright) return rotations;
+  const Eigen::Quaterniond level = Eigen::Quaterniond::FromTwoVectors(
+      UpOf(directions, prior.most_tilt), Eigen::Vector3d::UnitZ());
+  for (double heading = 0.0; heading < 2.0 * std::numbers::pi - 1e-9; heading += kHeadingStep) {
+    add((ExpSO3({0.0, 0.0, heading}) * level).toRotationMatrix());
+  }
+  return rotations;
+}
+
+std::vector<double> Scales(double sigma) {
+  const int steps = static_cast<int>(std::ceil(kSigmas * sigma / kScaleStep - 0.5));
+  std::vector<double> scales;
+  for (int k = -steps; k <= steps; ++k) scales.push_back(std::exp(k * kScaleStep));
+  return scales;
+}
+
+DirectionGrid::Window WindowOf(const MapModel& map, const MapPrior& prior) {
+  DirectionGrid::Window window{map.grid().low(), map.grid().high()};
+  if (!prior.pose) {
+    // A scanner stands above the ground, possibly a little off the map's rim.
+    constexpr double kRim = 5.0;
+    window.low -= Eigen::Vector3d(kRim, kRim, 0.0);
+    window.high += Eigen::Vector3d(kRim, kRim, kRim);
+    return window;
+  }
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(
+      kSigmas * prior.pose->sigma_translation + map.grid().voxel());
+  window.low = prior.pose->map_from_group.translation - reach;
+  window.high = prior.pose->map_from_group.translation + reach;
+  return window;
+}
+
+std::vector<DirectionGrid::Voter> Voters(const std::vector<GroupSample>& samples,
+                                         const Eigen::Matrix3d& rotation, double scale) {
+  std::vector<DirectionGrid::Voter> voters;
+  for (const GroupSample& s : samples) {
+    voters.push_back({scale * (rotation * s.mean), DirectionGrid::ClassOf(rotation * s.normal)});
+  }
+  return voters;
+}
+
+}  // namespace
+
+std::vector<MapHypothesis> FindMapHypotheses(const MapModel& map, const ScanGroup& group,
+                                             const MapPrior& prior, std::size_t most,
+                                             int threads) {
+  if (map.surfaces().surfels().empty()) return {};
+  const auto samples = SamplesOf(group, std::max<std::size_t>(1, kMapVoters / group.scans.size()));
+  const auto rotations = Rotations(map, group, prior);
+  const auto scales = Scales(prior.sigma_scale);
+  const auto window = WindowOf(map, prior);
+  std::vector<std::vector<MapHypothesis>> found(rotations.size() * scales.size());
+  ParallelFor(found.size(), threads, [&](std::size_t k) {
+    const Eigen::Matrix3d& rotation = rotations[k / scales.size()];
+    const double scale = scales[k % scales.size()];
+    const auto votes =
+        map.grid().Count(Voters(samples, rotation, scale), window, kVotesPerRotation);
+    for (const auto& vote : votes) {
+      found[k].push_back({Sim3(scale, Eigen::Quaterniond(rotation), vote.translation), vote.count});
+    }
+  });
+  std::vector<MapHypothesis> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.votes > b.votes; });
+  if (all.size() > most) all.resize(most);
+  return all;
+}
+
+}  // namespace planegraph
