@@ -61,12 +61,14 @@ void AppendRow(std::string* text, const Eigen::Vector3d& row) {
 
 void AppendCamera(std::string* text, const Camera& camera) {
   const double focal = camera.focal > 0.0 ? camera.focal : 1.0;
-  const Eigen::Matrix3d rotation = camera.camera_from_model.rotation.toRotationMatrix();
-  AppendRow(text, camera.valid ? Eigen::Vector3d(focal, 0, 0) : Eigen::Vector3d::Zero());
-  for (int i = 0; i < 3; ++i) {
-    AppendRow(text, camera.valid ? rotation.row(i).transpose() : Eigen::Vector3d::Zero());
+  if (!camera.valid) {
+    for (int row = 0; row < 5; ++row) *text += "0 0 0\n";
+    return;
   }
-  AppendRow(text, camera.valid ? camera.camera_from_model.translation : Eigen::Vector3d::Zero());
+  const Eigen::Matrix3d rotation = camera.camera_from_model.rotation.toRotationMatrix();
+  AppendRow(text, Eigen::Vector3d(focal, 0.0, 0.0));
+  for (int i = 0; i < 3; ++i) AppendRow(text, rotation.row(i).transpose());
+  AppendRow(text, camera.camera_from_model.translation);
 }
 
 }  // namespace
@@ -83,7 +85,8 @@ CameraModel ParseBundle(std::string_view bytes, const std::string& file) {
     throw InputError::AtLine(file, 1, "is a Bundler file, but not of version 0.3");
   }
   if (!bundler && first != kMveHeader) {
-    throw InputError::AtLine(file, 1, "holds no cameras in a known format (MVE, Bundler, COLMAP, OpenSfM)");
+    throw InputError::AtLine(file, 1,
+                             "holds no cameras in a known format (MVE, Bundler, COLMAP, OpenSfM)");
   }
   LineReader lines(bytes);
   std::string_view line;

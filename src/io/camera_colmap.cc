@@ -78,8 +78,9 @@ Camera ParseImage(LineWords* words, const FocalLengths& focal_lengths) {
 void SkipKeyPoints(LineReader* lines, const std::string& file) {
   std::string_view line;
   if (lines->Next(&line) && SplitWords(line).size() % 3 != 0) {
-    throw InputError::AtLine(file, lines->number(),
-                             "is no line of key points (three numbers each), which every image has");
+    throw InputError::AtLine(
+        file, lines->number(),
+        "is no line of key points (three numbers each), which every image has");
   }
 }
 

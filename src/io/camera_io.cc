@@ -35,8 +35,8 @@ CameraModel ReadColmap(const fs::path& folder, bool binary) {
       ReadOptional(folder, "cameras", binary, ParseColmapCameras, ParseColmapCamerasBinary);
   const std::string path = (folder / (binary ? "images.bin" : "images.txt")).string();
   const FileBytes images(path);
-  model.cameras = (binary ? ParseColmapImagesBinary : ParseColmapImages)(images.view(),
-                                                                         focal_lengths, path);
+  model.cameras =
+      (binary ? ParseColmapImagesBinary : ParseColmapImages)(images.view(), focal_lengths, path);
   model.points =
       ReadOptional(folder, "points3D", binary, ParseColmapPoints, ParseColmapPointsBinary);
   return model;
