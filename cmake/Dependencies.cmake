@@ -15,6 +15,8 @@ planegraph_find_package(yaml-cpp)
 planegraph_find_package(nanoflann)
 planegraph_find_package(embree 3)
 planegraph_find_package(ZLIB)
+planegraph_find_package(GeographicLib)
+planegraph_find_package(LibExif)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)

@@ -24,4 +24,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/PlanegraphConfi
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/generated/PlanegraphConfig.cmake
               ${PROJECT_BINARY_DIR}/generated/PlanegraphConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindGeographicLib.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindLibExif.cmake
         DESTINATION ${package_dir})

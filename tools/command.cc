@@ -18,6 +18,11 @@ DEFINE_int32(log_level, 1, "least severity logged: 0 info, 1 warning, 2 error");
 DEFINE_string(output, "", "file for the result");
 DEFINE_string(output_dir, "", "folder for the results");
 DEFINE_string(format, "auto", "of the clouds: auto, ply, pcd, xyz, 3dtk");
+DEFINE_string(cameras, "",
+              "cameras of a photogrammetric model: MVE, Bundler, COLMAP folder, OpenSfM");
+DEFINE_string(gps, "", "positions: CSV by time or image, NMEA, or a folder of images with EXIF");
+DEFINE_string(image_times, "", "CSV with time,file; row k belongs to camera k");
+DEFINE_string(method, "", "georeference: robust or paper (default: the first)");
 DEFINE_double(min_range, 0.5,
               "points of a scan nearer to the scanner than this are dropped, metres");
 

@@ -6,6 +6,7 @@ namespace planegraph::tools {
 Command ConvertCommand();
 Command EvaluateCommand();
 Command FactorsCommand();
+Command GeoreferenceCommand();
 Command MapCommand();
 Command RegisterCommand();
 Command ReportCommand();
@@ -14,8 +15,9 @@ Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
-      MapCommand(),      ReportCommand(),   SegmentCommand(), RegisterCommand(),
-      EvaluateCommand(), SimulateCommand(), FactorsCommand(), ConvertCommand(),
+      MapCommand(),      ReportCommand(),   SegmentCommand(),
+      RegisterCommand(), EvaluateCommand(), SimulateCommand(),
+      FactorsCommand(),  ConvertCommand(),  GeoreferenceCommand(),
   };
 }
 

@@ -13,3 +13,7 @@ DECLARE_string(output);
 DECLARE_string(output_dir);
 DECLARE_string(format);
 DECLARE_double(min_range);
+DECLARE_string(cameras);
+DECLARE_string(gps);
+DECLARE_string(image_times);
+DECLARE_string(method);
