@@ -47,6 +47,8 @@ class SiteReader {
   std::vector<FilterStep> Filters(const YAML::Node& node) const;
   RobotSite Robot(const YAML::Node& node) const;
   DroneMapSite Map(const YAML::Node& node) const;
+  std::optional<double> Positive(const YAML::Node& map, const std::string& key) const;
+  GeodeticPosition Origin(const YAML::Node& node) const;
 
   std::string path_;
   fs::path folder_;
@@ -241,10 +243,31 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   return robot;
 }
 
+std::optional<double> SiteReader::Positive(const YAML::Node& map, const std::string& key) const {
+  if (!map[key]) return std::nullopt;
+  const auto value = Value<double>(map[key], key);
+  if (!(value > 0.0) || !std::isfinite(value)) Fail(map[key], key + " must be positive");
+  return value;
+}
+
+GeodeticPosition SiteReader::Origin(const YAML::Node& node) const {
+  AllowKeys(node, {"lat", "lon", "alt"});
+  for (const char* key : {"lat", "lon", "alt"}) {
+    if (!node[key]) Fail(node, std::string("origin needs `") + key + "`");
+  }
+  const GeodeticPosition origin{Value<double>(node["lat"], "lat"),
+                                Value<double>(node["lon"], "lon"),
+                                Value<double>(node["alt"], "alt")};
+  if (!IsOnEarth(origin)) Fail(node, "origin is no place on earth");
+  return origin;
+}
+
 DroneMapSite SiteReader::Map(const YAML::Node& node) const {
-  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times"});
-  DroneMapSite map{Text(node, "name", ""), File(node, "cloud"), File(node, "cameras"),
-                   File(node, "gps"), File(node, "image_times")};
+  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma"});
+  DroneMapSite map{Text(node, "name", ""),     File(node, "cloud"),
+                   File(node, "cameras"),      File(node, "gps"),
+                   File(node, "image_times"),  Positive(node, "scale_sigma"),
+                   Positive(node, "gps_sigma")};
   if (map.name.empty()) Fail(node, "a map needs a `name`");
   if (map.cloud.empty()) Fail(node, "a map needs a `cloud`");
   return map;
@@ -256,6 +279,7 @@ Site SiteReader::Read() {
   AllowKeys(root, {"name", "origin", "robots", "maps"});
   Site site;
   site.name = Text(root, "name", fs::path(path_).stem().string());
+  if (root["origin"]) site.origin = Origin(root["origin"]);
   if (!root["robots"] || !root["robots"].IsSequence() || root["robots"].size() == 0) {
     Fail(root, "a site needs `robots`: a list with at least one");
   }

@@ -6,7 +6,7 @@
 
 namespace planegraph {
 
-/// A least-squares similarity under correlated noise.
+/// A least-squares similarity with a covariance that knows of correlated noise.
 struct CorrelatedFit {
   Sim3 world_from_map;
   Matrix7d covariance = Matrix7d::Zero();  ///< as in Georeference
@@ -22,11 +22,12 @@ struct CorrelationOptions {
   bool correlated = true;   ///< false: the noise is taken to be white
 };
 
-/// Generalized least squares from `start` over inliers in the order of the flight. The noise of
-/// each axis is white in a share 1 - a and a Gauss-Markov process of the time T in the share a, the
-/// same for all axes. a, T and the ratio of vertical to horizontal noise are not chosen but
-/// averaged over, by their restricted likelihood (Patterson and Thompson 1971), so that the
-/// covariance knows how badly a short flight tells them. Needs three pairs.
+/// Least squares from `start` over inliers in the order of the flight, the two horizontal axes
+/// weighted against the vertical one by their noise. The covariance takes the noise of each axis as
+/// white in a share 1 - a and as a Gauss-Markov process of the time T in the share a, the same for
+/// all axes. a, T and the ratio of vertical to horizontal noise are not chosen but averaged over,
+/// by their restricted likelihood (Patterson and Thompson 1971): a short flight tells them badly,
+/// and residuals hide what the fit has taken up. Needs three pairs.
 CorrelatedFit FitCorrelated(const std::vector<PositionPair>& pairs, const Sim3& start,
                             const CorrelationOptions& options);
 

@@ -6,6 +6,7 @@
 
 #include "planegraph/cloud/filters.h"
 #include "planegraph/geometry/rigid3.h"
+#include "planegraph/io/local_frame.h"
 #include "planegraph/io/trajectory_io.h"
 
 namespace planegraph {
@@ -31,12 +32,15 @@ struct RobotSite {
 /// A drone map, as the site file names it.
 struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
+  std::optional<double> scale_sigma;  ///< relative; in place of what the positions tell
+  std::optional<double> gps_sigma;    ///< metres, of one position and axis; likewise
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working
 /// folder.
 struct Site {
   std::string name;
+  std::optional<GeodeticPosition> origin;  ///< of the world's east-north-up frame
   std::vector<RobotSite> robots;
   std::vector<DroneMapSite> maps;
 };

@@ -68,9 +68,9 @@ struct Georeference {
 /// the noise: else `degenerate`, with the numbers in `reason`.
 ///
 /// Robust: three-point samples (least median), Cauchy-weighted Gauss-Newton with the vertical
-/// noise measured apart, then generalized least squares over the inliers with a noise that is
-/// partly white, partly a first-order Gauss-Markov process; share and time of the correlation and
-/// the ratio of vertical to horizontal noise are averaged over by their restricted likelihood.
+/// noise measured apart, least squares over the inliers. Its covariance takes the noise as partly
+/// white, partly a first-order Gauss-Markov process; share and time of the correlation and the
+/// ratio of vertical to horizontal noise are averaged over by their restricted likelihood.
 ///
 /// Throws UsageError (an unknown method, GPS by time without `times`) and InputError (`times` of
 /// another length than the cameras).
