@@ -7,6 +7,7 @@ Command ConvertCommand();
 Command EvaluateCommand();
 Command FactorsCommand();
 Command GeoreferenceCommand();
+Command LocateCommand();
 Command MapCommand();
 Command RegisterCommand();
 Command ReportCommand();
@@ -17,7 +18,7 @@ std::vector<Command> AllCommands() {
   return {
       MapCommand(),      ReportCommand(),   SegmentCommand(),
       RegisterCommand(), EvaluateCommand(), SimulateCommand(),
-      FactorsCommand(),  ConvertCommand(),  GeoreferenceCommand(),
+      FactorsCommand(),  ConvertCommand(),  GeoreferenceCommand(), LocateCommand(),
   };
 }
 

@@ -91,7 +91,7 @@ int ExitCode(const MapResult& result, const nlohmann::json& report) {
   for (const auto& warning : report["warnings"]) {
     std::cerr << "warning: " << warning.get<std::string>() << "\n";
   }
-  if (result.components <= 1 && result.site.maps.empty() && Converged(result)) return 0;
+  if (result.components <= 1 && Converged(result)) return 0;
   if (result.components > 1) {
     std::cerr << "error: the scans do not form one component but " << result.components
               << ": see the registrations in the report\n";

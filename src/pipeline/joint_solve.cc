@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -82,9 +83,9 @@ void HoldOpenDirections(const std::vector<PairRecord>& pairs,
   }
 }
 
-AssociationOptions FirstRound(const std::vector<PairRecord>& pairs) {
+AssociationOptions FirstRound(const JointProblem& problem) {
   std::vector<double> offsets, tilts;
-  for (const auto& pair : pairs) {
+  for (const auto& pair : *problem.pairs) {
     if (!pair.used) continue;
     offsets.push_back(pair.registration.refinement.floor);
     tilts.push_back(pair.registration.refinement.tilt_floor);
@@ -94,6 +95,10 @@ AssociationOptions FirstRound(const std::vector<PairRecord>& pairs) {
   options.floor_offset = std::max(1e-3, MedianOf(offsets, 2e-3) / std::sqrt(2.0));
   options.floor_tilt = std::max(5e-4, MedianOf(tilts, 0.0) / std::sqrt(2.0));
   options.gate = kFirstGate;
+  for (const MapErrors& errors : problem.placement->errors) {
+    options.map_gate = std::max(options.map_gate, 4.0 * errors.sigma);
+    options.map_floor_offset = std::max(options.map_floor_offset, errors.sigma);
+  }
   return options;
 }
 
@@ -101,6 +106,157 @@ std::vector<const PlaneSet*> PlaneSets(const std::vector<ScanRecord>& scans) {
   std::vector<const PlaneSet*> sets;
   for (const auto& scan : scans) sets.push_back(&scan.planes);
   return sets;
+}
+
+// What the observations of each map count: see MapErrors and MapVarianceFactor.
+struct MapWeights {
+  std::vector<MapErrors> errors;
+  std::vector<double> factors;
+};
+
+MapWeights WeighMaps(const JointProblem& problem) {
+  MapWeights weights{problem.placement->errors, {}};
+  for (std::size_t m = 0; m < problem.maps->size(); ++m) {
+    weights.factors.push_back(MapVarianceFactor(*problem.map_pairs, *problem.placement, m));
+  }
+  return weights;
+}
+
+// Neighbouring surfaces of a map err together: the observations of one block have the information of
+// its mean, whatever their number.
+void ShareMapInformation(const MapWeights& weights, Graph* graph) {
+  std::map<std::pair<int, std::uint64_t>, double> count;
+  const auto block = [](const PlaneLandmark& plane, const PlaneObservation& seen) {
+    return std::pair(seen.map, MapBlock(plane.anchor, plane.normal));
+  };
+  for (const auto& plane : graph->planes) {
+    for (const auto& seen : plane.observations) {
+      if (seen.map >= 0) count[block(plane, seen)] += 1.0;
+    }
+  }
+  for (auto& plane : graph->planes) {
+    for (auto& seen : plane.observations) {
+      if (seen.map < 0) continue;
+      const double shared = weights.errors[seen.map].block_sigma;
+      const double own = 1.0 / (seen.offset_weight * seen.offset_weight);
+      const double variance = weights.factors[seen.map] *
+                              std::max(own, count[block(plane, seen)] * shared * shared);
+      const double share = std::sqrt(own / variance);
+      seen.offset_weight *= share;
+      seen.tilt_weight_1 *= share;
+      seen.tilt_weight_2 *= share;
+    }
+  }
+}
+
+// Positions of the cameras of a map by GPS. The errors of a flight are correlated: together they
+// are to say as much of the scale as the georeference found.
+void AddCameraPositions(const MapRecord& map, int index, Graph* graph) {
+  const Georeference& g = *map.georeference;
+  // A scale that the user doubts more than the positions' noise says: their errors are systematic.
+  const double doubt = std::max(1.0, std::pow(map.sigma_scale / std::max(g.sigma_scale, 1e-9), 2));
+  const double inflation = g.correlation_inflation * doubt;
+  Eigen::Vector3d variance(g.sigma_horizontal, g.sigma_horizontal, g.sigma_vertical);
+  variance = variance.cwiseAbs2() * inflation;
+  for (const CameraFix& fix : g.fixes) {
+    if (!fix.inlier) continue;
+    MapFactor factor;
+    factor.maps = {index};
+    factor.point = map.metric_from_map * fix.centre_in_map;
+    factor.position = fix.position_in_world;
+    factor.information.setZero();
+    factor.information.diagonal().head<3>() = variance.cwiseInverse();
+    factor.robust = true;
+    graph->map_factors.push_back(std::move(factor));
+  }
+}
+
+// A robot's start, beside a map that GPS places.
+void AddStarts(const JointProblem& problem, const std::vector<bool>& fixed, Graph* graph) {
+  for (std::size_t i = 0; i < problem.scans->size(); ++i) {
+    const ScanRecord& scan = (*problem.scans)[i];
+    const auto& start = problem.site->robots[scan.robot].start;
+    if (scan.index != 0 || !start || fixed[i]) continue;
+    Matrix6d information = Matrix6d::Zero();
+    information.diagonal().head<3>().setConstant(std::pow(start->sigma_translation, -2));
+    information.diagonal().tail<3>().setConstant(std::pow(start->sigma_rotation, -2));
+    PoseFactor factor = MakePosePrior(static_cast<int>(i), start->world_from_scan, information);
+    factor.robust = true;
+    graph->pose_factors.push_back(std::move(factor));
+  }
+}
+
+// The first scan of each component is its gauge, unless a map holds it that GPS places.
+void SetGauge(const JointProblem& problem, Graph* graph) {
+  const std::vector<int> component =
+      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+  std::set<int> held;
+  for (const auto& pair : *problem.map_pairs) {
+    if (pair.used && (*problem.maps)[pair.map].has_position()) held.insert(component[pair.scan]);
+  }
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    graph->poses[i].fixed = held.insert(component[i]).second;
+  }
+}
+
+// A scan that was not registered to a map takes no part in that map's observations: what lies near
+// its surfaces by chance (the outside of a hall that it stands in) is not what it saw.
+void KeepAnchoredOnly(const JointProblem& problem, Graph* graph) {
+  std::set<std::pair<int, int>> anchored;
+  for (const auto& pair : *problem.map_pairs) {
+    if (pair.used) anchored.insert({static_cast<int>(pair.map), static_cast<int>(pair.scan)});
+  }
+  for (auto& plane : graph->planes) {
+    std::erase_if(plane.observations, [&](const PlaneObservation& seen) {
+      return seen.map >= 0 &&
+             std::none_of(plane.observations.begin(), plane.observations.end(),
+                          [&](const PlaneObservation& other) {
+                            return other.map < 0 && anchored.count({seen.map, other.pose});
+                          });
+    });
+  }
+  std::erase_if(graph->planes, [](const auto& plane) { return plane.observations.size() < 2; });
+}
+
+Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
+                 const AssociationOptions& association, const MapWeights& weights) {
+  Graph graph;
+  for (std::size_t i = 0; i < solution.world_from_scan.size(); ++i) {
+    graph.poses.push_back({std::to_string(i), solution.world_from_scan[i], false});
+  }
+  SetGauge(problem, &graph);
+  std::vector<PlacedMap> placed;
+  std::set<std::size_t> used;
+  for (const auto& pair : *problem.map_pairs) {
+    if (pair.used) used.insert(pair.map);
+  }
+  static const PlaneSet kNone;
+  for (std::size_t m = 0; m < problem.maps->size(); ++m) {
+    const MapRecord& map = (*problem.maps)[m];
+    graph.maps.push_back({map.id, solution.world_from_metric[m], !used.count(m)});
+    placed.push_back({used.count(m) ? &map.planes : &kNone, solution.world_from_metric[m]});
+    if (used.count(m) && map.has_position()) {
+      AddCameraPositions(map, static_cast<int>(m), &graph);
+    }
+  }
+  graph.planes =
+      AssociatePatches(PlaneSets(*problem.scans), solution.world_from_scan, association, placed);
+  KeepAnchoredOnly(problem, &graph);
+  ShareMapInformation(weights, &graph);
+  AddOdometry(*problem.odometry, &graph);
+  HoldOpenDirections(*problem.pairs, *problem.odometry, &graph);
+  std::vector<bool> fixed;
+  for (const PoseNode& node : graph.poses) fixed.push_back(node.fixed);
+  AddStarts(problem, fixed, &graph);
+  return graph;
+}
+
+void TakeOver(Graph graph, JointSolution* solution) {
+  solution->world_from_scan = PosesOf(graph);
+  for (std::size_t m = 0; m < graph.maps.size(); ++m) {
+    solution->world_from_metric[m] = graph.maps[m].world_from_map;
+  }
+  solution->graph = std::move(graph);
 }
 
 SolveOptions RoundOptions(const MapOptions& options, bool last) {
@@ -148,6 +304,7 @@ std::vector<std::vector<Eigen::Vector3d>> OpenDirections(const std::vector<PairR
 void RemoveFakedInformation(const std::vector<std::vector<Eigen::Vector3d>>& open, Graph* graph) {
   for (auto& plane : graph->planes) {
     for (const auto& seen : plane.observations) {
+      if (seen.map >= 0) continue;
       for (const Eigen::Vector3d& v : open[seen.pose]) {
         const double along = plane.normal.dot(v);
         if (std::abs(along) < kAcross) plane.normal = (plane.normal - along * v).normalized();
@@ -156,21 +313,52 @@ void RemoveFakedInformation(const std::vector<std::vector<Eigen::Vector3d>>& ope
   }
 }
 
+// Scans that maps alone join have no plane in common to make an edge of: one edge for each such
+// gap, with the covariance of the whole graph.
+std::vector<MarginalEdge> Bridges(const MapResult& result, const std::vector<PairRecord>& pairs,
+                                  const GraphCovariance& covariance) {
+  const std::vector<int> alone = Components(result.scans.size(), pairs);
+  std::map<int, std::size_t> first;  // of each component, maps included
+  std::set<int> bridged;
+  std::vector<MarginalEdge> bridges;
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    if (!bridged.insert(alone[i]).second) continue;
+    const auto [anchor, is_first] = first.try_emplace(result.component[i], i);
+    if (is_first) continue;
+    const int target = static_cast<int>(anchor->second), source = static_cast<int>(i);
+    const Matrix6d relative = covariance.Relative(target, source);
+    if (!relative.allFinite()) continue;
+    bridges.push_back({target, source,
+                       result.solution.world_from_scan[target].Inverse() *
+                           result.solution.world_from_scan[source],
+                       PositiveInverse(relative)});
+  }
+  return bridges;
+}
+
 }  // namespace
 
-std::vector<int> Components(std::size_t scans, const std::vector<PairRecord>& pairs) {
-  std::vector<int> root(scans);
+std::vector<int> Components(std::size_t scans, const std::vector<PairRecord>& pairs,
+                            const std::vector<MapPairRecord>& map_pairs) {
+  std::size_t nodes = scans;
+  for (const auto& pair : map_pairs) nodes = std::max(nodes, scans + pair.map + 1);
+  std::vector<int> root(nodes);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
     while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
-  for (const auto& pair : pairs) {
-    if (!pair.used) continue;
-    const int a = find(static_cast<int>(pair.target)), b = find(static_cast<int>(pair.source));
+  const auto join = [&](std::size_t one, std::size_t other) {
+    const int a = find(static_cast<int>(one)), b = find(static_cast<int>(other));
     root[std::max(a, b)] = std::min(a, b);
+  };
+  for (const auto& pair : pairs) {
+    if (pair.used) join(pair.target, pair.source);
   }
-  std::vector<int> number(scans, -1), component(scans);
+  for (const auto& pair : map_pairs) {
+    if (pair.used) join(pair.scan, scans + pair.map);
+  }
+  std::vector<int> number(nodes, -1), component(scans);
   int next = 0;
   for (std::size_t i = 0; i < scans; ++i) {
     int& n = number[find(static_cast<int>(i))];
@@ -228,31 +416,25 @@ std::vector<Rigid3> SolveRelativePoses(const std::vector<PairRecord>& pairs,
   return PosesOf(graph);
 }
 
-JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
-                           const std::vector<PairRecord>& pairs,
-                           const std::vector<OdometryStep>& odometry,
-                           const std::vector<Rigid3>& start, const MapOptions& options) {
+JointSolution SolveJointly(const JointProblem& problem, const MapOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
+  const Placement& placement = *problem.placement;
   JointSolution solution;
-  solution.world_from_scan = start;
-  const std::vector<int> component = Components(scans.size(), pairs);
-  const auto sets = PlaneSets(scans);
-  AssociationOptions association = FirstRound(pairs);
+  solution.world_from_scan = placement.world_from_scan;
+  solution.world_from_metric = placement.world_from_metric;
+  const MapWeights weights = WeighMaps(problem);
+  AssociationOptions association = FirstRound(problem);
   const double last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
   // Below what the scans disagree by, a pose's move means nothing.
   const double stable = std::max(options.stable, association.floor_offset);
   bool last = false;
   for (solution.rounds = 0; solution.rounds < options.most_rounds && !last; ++solution.rounds) {
-    Graph graph = PosesOnly(solution.world_from_scan, component);
-    graph.planes = AssociatePatches(sets, solution.world_from_scan, association);
-    AddOdometry(odometry, &graph);
-    HoldOpenDirections(pairs, odometry, &graph);
+    Graph graph = BuildGraph(problem, solution, association, weights);
     solution.summary = Solve(&graph, RoundOptions(options, false));
     const std::vector<Rigid3> moved = PosesOf(graph);
     const double move = LargestMove(moved, solution.world_from_scan);
     last = association.gate <= last_gate && move < stable;
-    solution.world_from_scan = moved;
-    solution.graph = std::move(graph);
+    TakeOver(std::move(graph), &solution);
     association.gate = std::max(last_gate, 0.4 * association.gate);
     options.progress("solve", static_cast<double>(solution.rounds + 1) / options.most_rounds);
   }
@@ -263,7 +445,7 @@ JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses
   // rest.
   solution.summary.converged |= solution.last_move < stable;
-  solution.world_from_scan = PosesOf(solution.graph);
+  TakeOver(std::move(solution.graph), &solution);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;
   solution.seconds =
@@ -284,6 +466,10 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
     result->covariances.push_back(covariance.Pose(i));
     result->unobserved.push_back(covariance.Unobserved(i));
   }
+  for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
+    result->map_covariances.push_back(covariance.Map(m));
+  }
+  result->bridges = Bridges(*result, pairs, covariance);
 }
 
 }  // namespace planegraph

@@ -47,9 +47,37 @@ std::vector<ScanModel> MakeModels(const std::vector<ScanRecord>& scans, int thre
   return models;
 }
 
-// Registers scan to scan, along the way and around it, and finds poses that all of them agree with.
-std::vector<Rigid3> RegisterScans(const MapOptions& options, MapResult* result) {
-  const std::vector<ScanModel> models = MakeModels(result->scans, options.threads);
+std::vector<MapRecord> PrepareMaps(const Site& site, const MapOptions& options, MapResult* result) {
+  std::vector<MapRecord> maps;
+  for (std::size_t m = 0; m < site.maps.size(); ++m) {
+    options.progress("maps", static_cast<double>(m) / static_cast<double>(site.maps.size()));
+    maps.push_back(PrepareMap(site, m, options.threads, &result->warnings));
+  }
+  if (!maps.empty()) options.progress("maps", 1.0);
+  return maps;
+}
+
+// Scans of one robot are in one frame by its odometry or by registrations, robots with a start in
+// the world's: only such scans can be neighbours by their poses.
+std::vector<int> FramesOf(const Site& site, const std::vector<ScanRecord>& scans) {
+  std::vector<int> frames;
+  for (const ScanRecord& scan : scans) {
+    frames.push_back(site.robots[scan.robot].start ? -1 : static_cast<int>(scan.robot));
+  }
+  return frames;
+}
+
+void AddNeighbours(const std::vector<ScanModel>& models, const std::vector<Rigid3>& poses,
+                   const std::vector<int>& frames, const MapOptions& options, MapResult* result) {
+  auto more = RegisterNeighbours(models, poses, frames, result->pairs, options.registration,
+                                 options.neighbours_per_scan, options.threads);
+  std::move(more.begin(), more.end(), std::back_inserter(result->pairs));
+}
+
+// Registers scan to scan, along the way and around it (steps l to p of the paper), and finds poses
+// that all of them agree with.
+std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const MapOptions& options,
+                                  MapResult* result) {
   options.progress("registration", 0.0);
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
@@ -57,12 +85,32 @@ std::vector<Rigid3> RegisterScans(const MapOptions& options, MapResult* result) 
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
       ChainPoses(result->site, result->scans, result->pairs, result->odometry);
-  if (options.optimizer != "graph") return poses;
-  auto more = RegisterNeighbours(models, poses, result->pairs, options.registration,
-                                 options.neighbours_per_scan, options.threads);
-  std::move(more.begin(), more.end(), std::back_inserter(result->pairs));
+  if (options.optimizer == "graph") {
+    AddNeighbours(models, poses, FramesOf(result->site, result->scans), options, result);
+    poses = SolveRelativePoses(result->pairs, result->odometry, poses, options.threads);
+  }
   options.progress("registration", 1.0);
-  return SolveRelativePoses(result->pairs, result->odometry, poses, options.threads);
+  return poses;
+}
+
+// Finds the robots in the drone maps and registers every scan to what the maps have of its
+// surroundings (steps f to h of the paper). Robots that share nothing else meet in the map.
+void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& options,
+                    Placement* placement, MapResult* result) {
+  std::vector<MapModel> map_models;
+  for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
+  PlaceInMaps(result->site, models, result->scans,
+              Components(result->scans.size(), result->pairs), result->odometry, result->maps,
+              map_models, options.threads, placement, &result->map_pairs);
+  if (options.optimizer == "graph") {
+    std::vector<int> frames = FramesOf(result->site, result->scans);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (placement->placed[i]) frames[i] = -2;
+    }
+    AddNeighbours(models, placement->world_from_scan, frames, options, result);
+  }
+  auto records = RegisterToMaps(models, map_models, *placement, options.threads);
+  std::move(records.begin(), records.end(), std::back_inserter(result->map_pairs));
 }
 
 // Step q of the paper: the metascan, on the same segments.
@@ -84,44 +132,67 @@ JointSolution MatchSimultaneously(const std::vector<Rigid3>& start, MapResult* r
   return solution;
 }
 
-void Check(const Site& site, const MapOptions& options, MapResult* result) {
+void Check(const MapOptions& options) {
   if (options.optimizer != "graph" && options.optimizer != "metascan" &&
       options.optimizer != "none") {
     throw UsageError("unknown optimizer '" + options.optimizer + "' (graph, metascan, none)");
   }
   BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);  // throws for an unknown one
-  if (!site.maps.empty()) {
-    result->warnings.push_back("drone maps are not used by this version: laser scans only");
+}
+
+Placement StartPlacement(std::vector<Rigid3> poses, const std::vector<MapRecord>& maps) {
+  Placement placement;
+  placement.placed.assign(poses.size(), false);
+  placement.world_from_scan = std::move(poses);
+  placement.errors.resize(maps.size());
+  for (const MapRecord& map : maps) placement.world_from_metric.push_back(map.world_from_metric);
+  return placement;
+}
+
+void Optimize(const Placement& placement, const MapOptions& options, MapResult* result) {
+  Lap lap(&result->seconds.solve);
+  result->solution.world_from_scan = placement.world_from_scan;
+  result->solution.world_from_metric = placement.world_from_metric;
+  if (options.optimizer == "graph") {
+    result->solution = SolveJointly({&result->site, &result->scans, &result->pairs,
+                                     &result->odometry, &result->maps, &result->map_pairs,
+                                     &placement},
+                                    options);
+  }
+  if (options.optimizer == "metascan") {
+    result->solution = MatchSimultaneously(placement.world_from_scan, result);
+    result->solution.world_from_metric = placement.world_from_metric;
   }
 }
 
 }  // namespace
 
 MapResult MapScans(const Site& site, const MapOptions& options) {
+  Check(options);
   MapResult result;
   result.site = site;
-  Check(site, options, &result);
   {
     Lap lap(&result.seconds.front_end);
     result.scans = PrepareScans(site, options);
   }
+  {
+    Lap lap(&result.seconds.maps);
+    result.maps = PrepareMaps(site, options, &result);
+  }
   result.odometry = OdometrySteps(site, result.scans);
-  std::vector<Rigid3> start;
+  Placement placement;
+  const std::vector<ScanModel> models = MakeModels(result.scans, options.threads);
   {
     Lap lap(&result.seconds.pairing);
-    start = RegisterScans(options, &result);
+    placement = StartPlacement(RegisterScans(models, options, &result), result.maps);
   }
-  result.component = Components(result.scans.size(), result.pairs);
+  if (!result.maps.empty()) {
+    Lap lap(&result.seconds.placing);
+    RegisterInMaps(models, options, &placement, &result);
+  }
+  result.component = Components(result.scans.size(), result.pairs, result.map_pairs);
   result.components = *std::max_element(result.component.begin(), result.component.end()) + 1;
-  result.solution.world_from_scan = start;
-  if (options.optimizer == "graph") {
-    Lap lap(&result.seconds.solve);
-    result.solution = SolveJointly(result.scans, result.pairs, result.odometry, start, options);
-  }
-  if (options.optimizer == "metascan") {
-    Lap lap(&result.seconds.solve);
-    result.solution = MatchSimultaneously(start, &result);
-  }
+  Optimize(placement, options, &result);
   if (options.optimizer == "graph") {
     Lap lap(&result.seconds.covariance);
     ComputeUncertainty(result.pairs, options, &result);

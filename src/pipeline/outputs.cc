@@ -61,7 +61,9 @@ std::vector<MarginalEdge> GraphEdges(const MapResult& result) {
     const std::pair<int, int> p(static_cast<int>(step.target), static_cast<int>(step.source));
     if (std::find(pairs.begin(), pairs.end(), p) == pairs.end()) pairs.push_back(p);
   }
-  return MarginalEdges(result.solution.graph, pairs);
+  edges = MarginalEdges(result.solution.graph, pairs);
+  edges.insert(edges.end(), result.bridges.begin(), result.bridges.end());
+  return edges;
 }
 
 void WriteGraph(const MapResult& result, const std::string& path) {

@@ -67,11 +67,12 @@ struct Candidate {
 
 std::vector<Candidate> FindCandidates(const std::vector<ScanModel>& models,
                                       const std::vector<Rigid3>& poses,
+                                      const std::vector<int>& frames,
                                       const std::set<std::pair<std::size_t, std::size_t>>& known) {
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < models.size(); ++i) {
     for (std::size_t j = i + 1; j < models.size(); ++j) {
-      if (known.count({i, j})) continue;
+      if (frames[i] != frames[j] || known.count({i, j})) continue;
       const Rigid3 guess = poses[i].Inverse() * poses[j];
       const double support = MeasureSupport(models[i], models[j], guess, kCandidateGate).agree;
       if (support >= kCandidateSupport) candidates.push_back({i, j, support});
@@ -159,6 +160,7 @@ std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
 
 std::vector<PairRecord> RegisterNeighbours(const std::vector<ScanModel>& models,
                                            const std::vector<Rigid3>& world_from_scan,
+                                           const std::vector<int>& frames,
                                            const std::vector<PairRecord>& known,
                                            const RegistrationOptions& options,
                                            std::size_t most_per_scan, int threads) {
@@ -166,7 +168,7 @@ std::vector<PairRecord> RegisterNeighbours(const std::vector<ScanModel>& models,
   for (const auto& pair : known) done.insert({pair.target, pair.source});
   std::vector<std::size_t> count(models.size(), 0);
   std::vector<PairRecord> pairs;
-  for (const Candidate& c : FindCandidates(models, world_from_scan, done)) {
+  for (const Candidate& c : FindCandidates(models, world_from_scan, frames, done)) {
     if (count[c.target] >= most_per_scan && count[c.source] >= most_per_scan) continue;
     ++count[c.target], ++count[c.source];
     pairs.push_back({c.target, c.source, {}, false, 0.0});

@@ -41,6 +41,14 @@ Json UnobservedJson(const std::vector<UnobservedDirection>& unobserved) {
   return list;
 }
 
+Json AnchoredTo(const MapResult& result, std::size_t scan) {
+  Json names = Json::array();
+  for (const auto& pair : result.map_pairs) {
+    if (pair.used && pair.scan == scan) names.push_back(result.maps[pair.map].id);
+  }
+  return names;
+}
+
 Json ScanJson(const MapResult& result, std::size_t i) {
   const ScanRecord& scan = result.scans[i];
   Json json = {
@@ -59,10 +67,83 @@ Json ScanJson(const MapResult& result, std::size_t i) {
       {"component", result.component[i]},
       {"covariance", nullptr},
       {"unobserved", Json::array()},
-      {"anchored_to", Json::array()}};
+      {"anchored_to", AnchoredTo(result, i)}};
   if (i < result.covariances.size()) json["covariance"] = MatrixJson(result.covariances[i]);
   if (i < result.unobserved.size()) json["unobserved"] = UnobservedJson(result.unobserved[i]);
   return json;
+}
+
+Json SimilarityJson(const Sim3& similarity) {
+  Json json = PoseJson({similarity.rotation, similarity.translation});
+  json["scale"] = similarity.scale;
+  return json;
+}
+
+Json MapPairJson(const MapResult& result, const MapPairRecord& pair) {
+  const MapRecord& map = result.maps[pair.map];
+  Json json = {{"target", map.id},
+               {"source", result.scans[pair.scan].id},
+               {"kind", "laser-map"},
+               {"status", ToString(pair.status)},
+               {"reason", pair.reason},
+               {"correspondences", pair.correspondences},
+               {"surfels", pair.refinement.residuals.size()},
+               {"rms", nullptr},
+               {"floor", Number(pair.refinement.floor)},
+               {"quality", pair.evidence.agree},
+               {"target_from_source",
+                SimilarityJson(map.metric_from_map.Inverse() * pair.refinement.map_from_group)},
+               {"unobserved", Json::array()},
+               {"seconds", pair.seconds},
+               {"used", pair.used}};
+  if (!pair.refinement.residuals.empty()) {
+    json["rms"] = MeasureMapErrors(pair.refinement.residuals).sigma;
+  }
+  return json;
+}
+
+Json GeoreferenceJson(const Georeference& g) {
+  return {{"status", g.status},
+          {"reason", g.reason},
+          {"scale", Number(g.world_from_map.scale)},
+          {"sigma_scale", Number(g.sigma_scale)},
+          {"rms", Number(g.rms)},
+          {"inliers", g.inliers.size()},
+          {"fixes", g.fixes.size()}};
+}
+
+Json MapJson(const MapResult& result, std::size_t m) {
+  const MapRecord& map = result.maps[m];
+  Json json = {{"id", map.id},
+               {"points", map.points},
+               {"planes", map.planes.planes.size()},
+               {"patches", map.planes.patches.size()},
+               {"noise", {{"constant", map.planes.noise.constant}}},
+               {"world_from_map",
+                SimilarityJson(result.solution.world_from_metric[m] * map.metric_from_map)},
+               {"sigma_scale", nullptr},
+               {"covariance", nullptr},
+               {"georeference", nullptr},
+               {"seconds", {{"read", map.seconds_read}, {"segment", map.seconds_segment}}}};
+  if (map.georeference) json["georeference"] = GeoreferenceJson(*map.georeference);
+  if (m < result.map_covariances.size()) {
+    json["sigma_scale"] = Number(std::sqrt(result.map_covariances[m](6, 6)));
+    json["covariance"] = Json::array();
+    for (int r = 0; r < 7; ++r) {
+      json["covariance"].push_back(
+          Array(Eigen::VectorXd(result.map_covariances[m].row(r).transpose())));
+    }
+  }
+  return json;
+}
+
+Json OriginJson(const MapResult& result) {
+  std::optional<GeodeticPosition> origin = result.site.origin;
+  for (const MapRecord& map : result.maps) {
+    if (!origin && map.has_position()) origin = map.georeference->origin;
+  }
+  if (!origin) return nullptr;
+  return {{"lat", origin->latitude}, {"lon", origin->longitude}, {"alt", origin->altitude}};
 }
 
 Json PairJson(const MapResult& result, const PairRecord& pair) {
@@ -177,7 +258,7 @@ std::uint64_t PeakMemoryBytes() {
 }  // namespace
 
 std::string ReportJson(const MapResult& result, const MapOptions& options) {
-  Json report = {{"name", result.site.name},     {"origin", nullptr},
+  Json report = {{"name", result.site.name},     {"origin", OriginJson(result)},
                  {"scans", Json::array()},       {"registrations", Json::array()},
                  {"maps", Json::array()},        {"solve", SolveJson(result, options)},
                  {"evaluation", Json::object()}, {"components", result.components},
@@ -186,11 +267,17 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
     report["scans"].push_back(ScanJson(result, i));
   }
   for (const auto& pair : result.pairs) report["registrations"].push_back(PairJson(result, pair));
+  for (const auto& pair : result.map_pairs) {
+    report["registrations"].push_back(MapPairJson(result, pair));
+  }
+  for (std::size_t m = 0; m < result.maps.size(); ++m) report["maps"].push_back(MapJson(result, m));
   for (std::size_t r = 0; r < result.site.robots.size(); ++r) {
     if (!result.site.robots[r].reference.empty()) Evaluate(result, r, &report);
   }
   report["stage_seconds"] = {{"front_end", result.seconds.front_end},
+                             {"maps", result.seconds.maps},
                              {"registration", result.seconds.pairing},
+                             {"placing", result.seconds.placing},
                              {"solve", result.seconds.solve},
                              {"covariance", result.seconds.covariance},
                              {"output", result.seconds.output}};

@@ -9,12 +9,29 @@
 namespace planegraph {
 namespace {
 
-// A patch of one scan in the world.
+// A patch of one scan or map in the world.
 struct WorldPatch {
   Eigen::Vector3d mean, normal;
   double quality;  ///< seeds go from the largest spread of points to the smallest
-  std::int32_t scan, index;
+  std::int32_t node, index;
 };
+
+// A scan, or a map behind them.
+struct Node {
+  const PlaneSet* planes;
+  Sim3 world_from_node;
+  bool is_map;
+};
+
+std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans,
+                        const std::vector<Rigid3>& poses, const std::vector<PlacedMap>& maps) {
+  std::vector<Node> nodes;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    nodes.push_back({scans[s], Sim3(poses[s]), false});
+  }
+  for (const PlacedMap& map : maps) nodes.push_back({map.planes, map.world_from_map, true});
+  return nodes;
+}
 
 // Buckets of patches by the cell that their mean lies in.
 class Buckets {
@@ -62,13 +79,15 @@ class Buckets {
 
 class Associator {
  public:
-  Associator(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
-             const AssociationOptions& options);
+  Associator(std::vector<Node> nodes, std::size_t scan_count, const AssociationOptions& options);
   std::vector<PlaneLandmark> Run();
 
  private:
-  const Patch& PatchOf(const WorldPatch& w) const { return scans_[w.scan]->patches[w.index]; }
-  double IndependentPoints(const Patch& patch) const;
+  const Patch& PatchOf(const WorldPatch& w) const {
+    return nodes_[w.node].planes->patches[w.index];
+  }
+  bool IsMap(std::uint32_t patch) const { return nodes_[patches_[patch].node].is_map; }
+  double IndependentPoints(const Patch& patch, bool is_map) const;
   std::vector<std::uint32_t> Collect(const Eigen::Vector3d& centre, const Plane& plane) const;
   Plane FitPlane(const std::vector<std::uint32_t>& members) const;
   bool SeveralScans(const std::vector<std::uint32_t>& members) const;
@@ -76,8 +95,8 @@ class Associator {
                            std::size_t last) const;
   PlaneLandmark MakeLandmark(std::vector<std::uint32_t> members, const Plane& plane) const;
 
-  const std::vector<const PlaneSet*>& scans_;
-  const std::vector<Rigid3>& poses_;
+  const std::vector<Node> nodes_;
+  const std::size_t scan_count_;
   const AssociationOptions& options_;
   std::vector<WorldPatch> patches_;
   std::vector<std::uint8_t> taken_;
@@ -86,14 +105,16 @@ class Associator {
   std::unique_ptr<Buckets> buckets_;
 };
 
-Associator::Associator(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
+Associator::Associator(std::vector<Node> nodes, std::size_t scan_count,
                        const AssociationOptions& options)
-    : scans_(scans), poses_(poses), options_(options) {
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    for (std::size_t i = 0; i < scans[s]->patches.size(); ++i) {
-      const Patch& patch = scans[s]->patches[i];
-      patches_.push_back({poses[s] * patch.moments.mean, poses[s].rotation * patch.normal,
-                          patch.size * std::sqrt(patch.moments.count), static_cast<std::int32_t>(s),
+    : nodes_(std::move(nodes)), scan_count_(scan_count), options_(options) {
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Sim3& world_from_node = nodes_[n].world_from_node;
+    for (std::size_t i = 0; i < nodes_[n].planes->patches.size(); ++i) {
+      const Patch& patch = nodes_[n].planes->patches[i];
+      patches_.push_back({world_from_node * patch.moments.mean,
+                          world_from_node.rotation * patch.normal,
+                          patch.size * std::sqrt(patch.moments.count), static_cast<std::int32_t>(n),
                           static_cast<std::int32_t>(i)});
     }
   }
@@ -104,8 +125,9 @@ Associator::Associator(const std::vector<const PlaneSet*>& scans, const std::vec
   buckets_ = std::make_unique<Buckets>(patches_, options.radius);
 }
 
-double Associator::IndependentPoints(const Patch& patch) const {
-  const double cells = patch.size / options_.correlation_length;
+double Associator::IndependentPoints(const Patch& patch, bool is_map) const {
+  const double cells =
+      patch.size / (is_map ? options_.map_correlation_length : options_.correlation_length);
   return std::clamp(cells * cells, 1.0, std::max(1.0, patch.moments.count));
 }
 
@@ -113,12 +135,17 @@ std::vector<std::uint32_t> Associator::Collect(const Eigen::Vector3d& centre,
                                                const Plane& plane) const {
   std::vector<std::uint32_t> members;
   ++epoch_;
+  const double map_gate = std::max(options_.gate, options_.map_gate);
+  const double map_cosine = std::min(options_.least_cosine, options_.map_least_cosine);
   const double square = options_.radius * options_.radius;
   buckets_->Around(centre, [&](std::uint32_t i) {
     const WorldPatch& p = patches_[i];
     if (taken_[i] || stamp_[i] == epoch_ || (p.mean - centre).squaredNorm() > square) return;
-    if (p.normal.dot(plane.normal) < options_.least_cosine) return;
-    if (std::abs(plane.SignedDistance(p.mean)) > options_.gate) return;
+    const bool is_map = IsMap(i);
+    double cosine = p.normal.dot(plane.normal);
+    if (is_map && PatchOf(p).orientation == Orientation::kUnknown) cosine = std::abs(cosine);
+    if (cosine < (is_map ? map_cosine : options_.least_cosine)) return;
+    if (std::abs(plane.SignedDistance(p.mean)) > (is_map ? map_gate : options_.gate)) return;
     stamp_[i] = epoch_;
     members.push_back(i);
   });
@@ -127,10 +154,14 @@ std::vector<std::uint32_t> Associator::Collect(const Eigen::Vector3d& centre,
 }
 
 Plane Associator::FitPlane(const std::vector<std::uint32_t>& members) const {
+  const bool only_maps = std::all_of(members.begin(), members.end(),
+                                     [&](std::uint32_t i) { return IsMap(i); });
   Moments sum;
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   for (const std::uint32_t i : members) {
-    sum.Merge(Transform(poses_[patches_[i].scan], PatchOf(patches_[i]).moments));
+    // A drone map is coarser than the laser: it does not say where the surface lies.
+    if (IsMap(i) && !only_maps) continue;
+    sum.Merge(Transform(nodes_[patches_[i].node].world_from_node, PatchOf(patches_[i]).moments));
     facing += patches_[i].normal;
   }
   Eigen::Vector3d normal = ComputePrincipalAxes(sum.scatter).vectors.col(0);
@@ -138,26 +169,35 @@ Plane Associator::FitPlane(const std::vector<std::uint32_t>& members) const {
   return {normal, normal.dot(sum.mean)};
 }
 
+// Several nodes, at least one of which is a scan.
 bool Associator::SeveralScans(const std::vector<std::uint32_t>& members) const {
-  return std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
-    return patches_[i].scan != patches_[members.front()].scan;
+  const bool several = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
+    return patches_[i].node != patches_[members.front()].node;
   });
+  return several && std::any_of(members.begin(), members.end(),
+                                [&](std::uint32_t i) { return !IsMap(i); });
 }
 
 PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, std::size_t first,
                                      std::size_t last) const {
   Moments sum;
   double independent = 0.0, variance = 0.0;
+  const std::int32_t node = patches_[members[first]].node;
+  const bool is_map = nodes_[node].is_map;
   for (std::size_t k = first; k < last; ++k) {
     const Patch& patch = PatchOf(patches_[members[k]]);
     sum.Merge(patch.moments);
-    independent += IndependentPoints(patch);
+    independent += IndependentPoints(patch, is_map);
     variance += patch.moments.count * patch.sigma * patch.sigma;
   }
   variance /= sum.count;
   const PrincipalAxes axes = ComputePrincipalAxes(sum.scatter);
   PlaneObservation seen;
-  seen.pose = patches_[members[first]].scan;
+  if (is_map) {
+    seen.map = node - static_cast<int>(scan_count_);
+  } else {
+    seen.pose = node;
+  }
   seen.centroid = sum.mean;
   seen.axes = axes.vectors;
   seen.eigenvalues = axes.values;
@@ -166,16 +206,18 @@ PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, 
   const auto weight = [&](double noise, double floor) {
     return 1.0 / std::sqrt(variance * noise + floor * floor);
   };
-  seen.tilt_weight_1 = weight(share / std::max(axes.values[1], 1e-12), options_.floor_tilt);
-  seen.tilt_weight_2 = weight(share / std::max(axes.values[2], 1e-12), options_.floor_tilt);
-  seen.offset_weight = weight(1.0 / independent, options_.floor_offset);
+  const double floor_tilt = is_map ? options_.map_floor_tilt : options_.floor_tilt;
+  seen.tilt_weight_1 = weight(share / std::max(axes.values[1], 1e-12), floor_tilt);
+  seen.tilt_weight_2 = weight(share / std::max(axes.values[2], 1e-12), floor_tilt);
+  seen.offset_weight =
+      weight(1.0 / independent, is_map ? options_.map_floor_offset : options_.floor_offset);
   return seen;
 }
 
 PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
                                        const Plane& plane) const {
   std::stable_sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return patches_[a].scan < patches_[b].scan;
+    return patches_[a].node < patches_[b].node;
   });
   PlaneLandmark landmark;
   for (const std::uint32_t i : members) landmark.anchor += patches_[i].mean;
@@ -183,7 +225,7 @@ PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
   landmark.normal = plane.normal;
   landmark.offset = plane.distance - plane.normal.dot(landmark.anchor);
   for (std::size_t first = 0, last = 0; first < members.size(); first = last) {
-    while (last < members.size() && patches_[members[last]].scan == patches_[members[first]].scan) {
+    while (last < members.size() && patches_[members[last]].node == patches_[members[first]].node) {
       ++last;
     }
     landmark.observations.push_back(Observe(members, first, last));
@@ -194,7 +236,7 @@ PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
 std::vector<PlaneLandmark> Associator::Run() {
   std::vector<PlaneLandmark> landmarks;
   for (std::uint32_t seed = 0; seed < patches_.size(); ++seed) {
-    if (taken_[seed]) continue;
+    if (taken_[seed] || IsMap(seed)) continue;
     const WorldPatch& p = patches_[seed];
     auto members = Collect(p.mean, {p.normal, p.normal.dot(p.mean)});
     if (members.empty() || !SeveralScans(members)) continue;
@@ -211,8 +253,9 @@ std::vector<PlaneLandmark> Associator::Run() {
 
 std::vector<PlaneLandmark> AssociatePatches(const std::vector<const PlaneSet*>& scans,
                                             const std::vector<Rigid3>& world_from_scan,
-                                            const AssociationOptions& options) {
-  return Associator(scans, world_from_scan, options).Run();
+                                            const AssociationOptions& options,
+                                            const std::vector<PlacedMap>& maps) {
+  return Associator(Nodes(scans, world_from_scan, maps), scans.size(), options).Run();
 }
 
 }  // namespace planegraph

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "planegraph/geometry/rigid3.h"
+#include "planegraph/geometry/sim3.h"
 
 namespace planegraph {
 
@@ -32,6 +33,14 @@ struct Moments {
 /// The moments of the same points seen from the target's frame.
 inline Moments Transform(const Rigid3& target_from_source, const Moments& moments) {
   const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
+  return {moments.count, target_from_source * moments.mean,
+          rotation * moments.scatter * rotation.transpose()};
+}
+
+/// Likewise under a similarity.
+inline Moments Transform(const Sim3& target_from_source, const Moments& moments) {
+  const Eigen::Matrix3d rotation =
+      target_from_source.scale * target_from_source.rotation.toRotationMatrix();
   return {moments.count, target_from_source * moments.mean,
           rotation * moments.scatter * rotation.transpose()};
 }

@@ -17,18 +17,30 @@ std::vector<Rigid3> SolveRelativePoses(const std::vector<PairRecord>& pairs,
                                        const std::vector<OdometryStep>& odometry,
                                        std::vector<Rigid3> start, int threads);
 
-/// Association and solve in turns, from a wide gate to a narrow one, until no pose moves.
-JointSolution SolveJointly(const std::vector<ScanRecord>& scans,
-                           const std::vector<PairRecord>& pairs,
-                           const std::vector<OdometryStep>& odometry,
-                           const std::vector<Rigid3>& start, const MapOptions& options);
+/// What the joint solve starts from: scans, their registrations to each other and to the maps, and
+/// where everything stands so far.
+struct JointProblem {
+  const Site* site = nullptr;
+  const std::vector<ScanRecord>* scans = nullptr;
+  const std::vector<PairRecord>* pairs = nullptr;
+  const std::vector<OdometryStep>* odometry = nullptr;
+  const std::vector<MapRecord>* maps = nullptr;
+  const std::vector<MapPairRecord>* map_pairs = nullptr;
+  const Placement* placement = nullptr;
+};
+
+/// Association and solve in turns, from a wide gate to a narrow one, until no pose moves: ONE graph
+/// of scan poses, drone maps with their scales, and planes.
+JointSolution SolveJointly(const JointProblem& problem, const MapOptions& options);
 
 /// Covariances and open directions of the solution's poses. Information that noise of the normals
 /// fakes along directions that all registrations of a scan leave open is taken out first.
 void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& options,
                         MapResult* result);
 
-/// Component of each scan, joined by used registrations; numbered by their first scans.
-std::vector<int> Components(std::size_t scans, const std::vector<PairRecord>& pairs);
+/// Component of each scan, joined by used registrations, those to maps included; numbered by their
+/// first scans.
+std::vector<int> Components(std::size_t scans, const std::vector<PairRecord>& pairs,
+                            const std::vector<MapPairRecord>& map_pairs = {});
 
 }  // namespace planegraph

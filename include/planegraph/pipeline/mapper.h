@@ -4,9 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/pipeline/map_front_end.h"
+#include "planegraph/pipeline/map_matching.h"
 #include "planegraph/pipeline/pairing.h"
 #include "planegraph/pipeline/site.h"
 #include "planegraph/solve/association.h"
+#include "planegraph/solve/marginal_graph.h"
 #include "planegraph/solve/solver.h"
 
 namespace planegraph {
@@ -31,6 +34,7 @@ struct MapOptions {
 /// What the joint solve left behind.
 struct JointSolution {
   std::vector<Rigid3> world_from_scan;
+  std::vector<Sim3> world_from_metric;  ///< of each map
   Graph graph;  ///< with the landmarks of the last round
   SolveSummary summary;
   double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
@@ -40,7 +44,7 @@ struct JointSolution {
 };
 
 struct StageSeconds {
-  double front_end = 0, pairing = 0, solve = 0, covariance = 0, output = 0;
+  double front_end = 0, maps = 0, pairing = 0, placing = 0, solve = 0, covariance = 0, output = 0;
 };
 
 /// All that `planegraph map` knows at the end.
@@ -49,10 +53,14 @@ struct MapResult {
   std::vector<ScanRecord> scans;
   std::vector<PairRecord> pairs;
   std::vector<OdometryStep> odometry;
+  std::vector<MapRecord> maps;
+  std::vector<MapPairRecord> map_pairs;
   JointSolution solution;
   std::vector<Matrix6d> covariances;  ///< by scan; NaN where infinite
+  std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
+  std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
   std::vector<std::vector<UnobservedDirection>> unobserved;
-  std::vector<int> component;  ///< of each scan: joined by used registrations
+  std::vector<int> component;  ///< of each scan: joined by used registrations, maps included
   int components = 0;
   StageSeconds seconds;
   std::vector<std::string> warnings;

@@ -14,6 +14,17 @@ struct AssociationOptions {
   double floor_offset = 0.002;       ///< systematic error of an observation's height, metres
   double floor_tilt = 0.0005;        ///< of its normal, radians
   double correlation_length = 0.05;  ///< metres: nearer points do not count as independent
+  /// The same for the patches of drone maps, which are noisier: gate and cosine are the wider of
+  /// both.
+  double map_gate = 0.1, map_least_cosine = 0.94;
+  double map_floor_offset = 0.01, map_floor_tilt = 0.005;
+  double map_correlation_length = 0.5;
+};
+
+/// A drone map (or a tile of one) with where it is; its frame is metric up to a small correction.
+struct PlacedMap {
+  const PlaneSet* planes = nullptr;
+  Sim3 world_from_map;
 };
 
 /// Landmarks from the planar patches of all scans under the given poses: patches of at least two
@@ -21,8 +32,12 @@ struct AssociationOptions {
 /// landmark, and the patches of one scan in a landmark merge to one observation, so nothing is
 /// counted twice. Walls and floors become many small landmarks: none has to be flat over its whole
 /// length. The landmarks do not depend on the order of the scans but through ties of equal seeds.
+///
+/// A drone map counts as one more scan; its observations name it (PlaneObservation::map). Patches of
+/// maps alone make no landmark.
 std::vector<PlaneLandmark> AssociatePatches(const std::vector<const PlaneSet*>& scans,
                                             const std::vector<Rigid3>& world_from_scan,
-                                            const AssociationOptions& options = {});
+                                            const AssociationOptions& options = {},
+                                            const std::vector<PlacedMap>& maps = {});
 
 }  // namespace planegraph

@@ -1,0 +1,328 @@
+#include "planegraph/pipeline/map_matching.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "planegraph/base/parallel.h"
+#include "planegraph/geometry/rotation.h"
+#include "planegraph/graph/graph.h"
+
+namespace planegraph {
+namespace {
+
+constexpr std::size_t kMostInGroup = 24;
+constexpr double kLeastAgree = 0.1;        // of a scan's surfaces that the map must confirm
+constexpr double kMostOff = 0.15;          // metres: walls and roofs are thicker
+constexpr double kMostTurned = 0.0175;     // radians
+constexpr double kMostSigma = 0.1;         // metres, of a registration that stands by itself
+
+double Seconds(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The rigid motion nearest to a similarity about a point of the source.
+Rigid3 RigidNear(const Sim3& similarity, const Eigen::Vector3d& about) {
+  return {similarity.rotation, similarity * about - similarity.rotation * about};
+}
+
+// The scans of a component, thinned to kMostInGroup; the group's frame is the placement's present
+// world.
+struct Group {
+  std::vector<std::size_t> scans;
+  ScanGroup group;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+};
+
+Group MakeGroup(const std::vector<ScanModel>& models, const std::vector<int>& component, int wanted,
+                const std::vector<Rigid3>& poses) {
+  std::vector<std::size_t> members;
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    if (component[i] == wanted) members.push_back(i);
+  }
+  Group group;
+  const std::size_t stride = 1 + (members.size() - 1) / kMostInGroup;
+  for (std::size_t k = 0; k < members.size(); k += stride) {
+    group.scans.push_back(members[k]);
+    group.group.scans.push_back(&models[members[k]]);
+    // Relative to the first scan: coordinates stay small, and the first scan stands for the group.
+    group.group.group_from_scan.push_back(poses[members.front()].Inverse() * poses[members[k]]);
+    group.centre += group.group.group_from_scan.back().translation;
+  }
+  group.centre /= static_cast<double>(group.scans.size());
+  return group;
+}
+
+class Placer {
+ public:
+  Placer(const Site& site, const std::vector<ScanModel>& models,
+         const std::vector<ScanRecord>& scans, const std::vector<int>& component,
+         const std::vector<OdometryStep>& odometry, const std::vector<MapRecord>& maps,
+         const std::vector<MapModel>& map_models, int threads, Placement* placement)
+      : site_(site),
+        models_(models),
+        scans_(scans),
+        component_(component),
+        odometry_(odometry),
+        maps_(maps),
+        map_models_(map_models),
+        threads_(threads),
+        placement_(*placement),
+        scale_known_(maps.size(), false) {}
+
+  void Run(std::vector<MapPairRecord>* records);
+
+ private:
+  std::optional<MapPrior::Pose> PresentPose(const Group& group) const;
+  std::optional<MapPrior::Pose> StartPrior(const Group& group) const;
+  std::optional<MapPrior::Pose> OdometryPrior(const Group& group) const;
+  MapLocation Locate(const Group& group, std::size_t map) const;
+  void Place(const Group& group, std::size_t map, const MapRefinement& found);
+  void CorrectMap(const Group& group, std::size_t map, const Sim3& metric_from_group);
+
+  const Site& site_;
+  const std::vector<ScanModel>& models_;
+  const std::vector<ScanRecord>& scans_;
+  const std::vector<int>& component_;
+  const std::vector<OdometryStep>& odometry_;
+  const std::vector<MapRecord>& maps_;
+  const std::vector<MapModel>& map_models_;
+  int threads_;
+  Placement& placement_;
+  std::vector<bool> scale_known_;
+};
+
+// World pose of the group by a robot's start, if its first scan is in it.
+std::optional<MapPrior::Pose> Placer::StartPrior(const Group& group) const {
+  for (std::size_t k = 0; k < group.scans.size(); ++k) {
+    const ScanRecord& scan = scans_[group.scans[k]];
+    const auto& start = site_.robots[scan.robot].start;
+    if (scan.index != 0 || !start) continue;
+    return MapPrior::Pose{start->world_from_scan * group.group.group_from_scan[k].Inverse(),
+                          start->sigma_translation, start->sigma_rotation};
+  }
+  return {};
+}
+
+// World pose of the group by odometry from a scan that is placed already.
+std::optional<MapPrior::Pose> Placer::OdometryPrior(const Group& group) const {
+  constexpr double kLeastSigma = 0.3;  // metres
+  for (const OdometryStep& step : odometry_) {
+    for (std::size_t k = 0; k < group.scans.size(); ++k) {
+      const bool onward = step.source == group.scans[k] && placement_.placed[step.target];
+      const bool back = step.target == group.scans[k] && placement_.placed[step.source];
+      if (!onward && !back) continue;
+      const Rigid3 world_from_scan =
+          onward ? placement_.world_from_scan[step.target] * step.target_from_source
+                 : placement_.world_from_scan[step.source] * step.target_from_source.Inverse();
+      const double translation = std::sqrt(step.covariance.topLeftCorner<3, 3>().trace());
+      const double rotation = std::sqrt(step.covariance.bottomRightCorner<3, 3>().trace());
+      return MapPrior::Pose{world_from_scan * group.group.group_from_scan[k].Inverse(),
+                            std::max(kLeastSigma, translation), rotation};
+    }
+  }
+  return {};
+}
+
+// World pose of a group that another map has placed.
+std::optional<MapPrior::Pose> Placer::PresentPose(const Group& group) const {
+  constexpr double kSigma = 0.1, kSigmaRotation = 0.02;
+  if (!placement_.placed[group.scans.front()]) return {};
+  return MapPrior::Pose{placement_.world_from_scan[group.scans.front()], kSigma, kSigmaRotation};
+}
+
+MapLocation Placer::Locate(const Group& group, std::size_t m) const {
+  const MapRecord& map = maps_[m];
+  MapLocationOptions options;
+  options.threads = threads_;
+  options.prior.upright = map.has_position();
+  options.prior.sigma_scale = scale_known_[m] ? 0.003 : map.sigma_scale;
+  std::optional<MapPrior::Pose> pose = PresentPose(group);
+  if (!pose) pose = OdometryPrior(group);
+  if (!pose && map.has_position()) pose = StartPrior(group);
+  if (pose && map.has_position() && !scale_known_[m]) {
+    // The receiver's constant bias is as large as what changes of its error.
+    pose->sigma_translation = std::hypot(pose->sigma_translation,
+                                         std::max(map.georeference->sigma_horizontal,
+                                                  map.georeference->sigma_vertical));
+  } else if (!scale_known_[m] && !map.has_position()) {
+    pose.reset();  // a map without a place of its own
+  }
+  if (pose) {
+    const Sim3 metric = placement_.world_from_metric[m].Inverse() * Sim3(pose->map_from_group);
+    pose->map_from_group = RigidNear(metric, group.centre);
+    options.prior.pose = pose;
+  }
+  return LocateInMap(map_models_[m], group.group, options);
+}
+
+// The laser is metric: the first group that is found in a map says what the map's metre is. The
+// cameras' middle, the origin of the metric frame, stays where GPS has it; without GPS the map comes
+// to where the robots are.
+void Placer::CorrectMap(const Group& group, std::size_t m, const Sim3& metric_from_group) {
+  if (scale_known_[m]) return;
+  scale_known_[m] = true;
+  Sim3& world_from_metric = placement_.world_from_metric[m];
+  if (maps_[m].has_position() && !placement_.placed[group.scans.front()]) {
+    world_from_metric.scale = 1.0 / metric_from_group.scale;
+    return;
+  }
+  const Rigid3& world_from_group = placement_.world_from_scan[group.scans.front()];
+  world_from_metric = Sim3(world_from_group) * metric_from_group.Inverse();
+}
+
+void Placer::Place(const Group& group, std::size_t m, const MapRefinement& found) {
+  CorrectMap(group, m, found.map_from_group);
+  const Rigid3 world_from_group =
+      RigidNear(placement_.world_from_metric[m] * found.map_from_group, group.centre);
+  const Rigid3 moved =
+      world_from_group * placement_.world_from_scan[group.scans.front()].Inverse();
+  const int wanted = component_[group.scans.front()];
+  for (std::size_t i = 0; i < component_.size(); ++i) {
+    if (component_[i] != wanted || placement_.placed[i]) continue;
+    placement_.world_from_scan[i] = moved * placement_.world_from_scan[i];
+    placement_.placed[i] = true;
+  }
+  if (found.residuals.size() > 100) placement_.errors[m] = MeasureMapErrors(found.residuals);
+}
+
+void Placer::Run(std::vector<MapPairRecord>* records) {
+  // Components with a start first: what they find helps the others.
+  std::set<int> components(component_.begin(), component_.end());
+  std::vector<int> order(components.begin(), components.end());
+  std::stable_partition(order.begin(), order.end(), [&](int c) {
+    return StartPrior(MakeGroup(models_, component_, c, placement_.world_from_scan)).has_value();
+  });
+  for (const int c : order) {
+    for (std::size_t m = 0; m < maps_.size(); ++m) {
+      const auto start = std::chrono::steady_clock::now();
+      const Group group = MakeGroup(models_, component_, c, placement_.world_from_scan);
+      if (placement_.placed[group.scans.front()] && scale_known_[m]) continue;
+      const MapLocation location = Locate(group, m);
+      if (location.status == RegistrationStatus::kOk) {
+        Place(group, m, location.candidates.front().refinement);
+        continue;
+      }
+      for (const std::size_t scan : group.scans) {
+        MapPairRecord record;
+        record.map = m;
+        record.scan = scan;
+        record.status = location.status;
+        record.reason = location.reason;
+        record.seconds = Seconds(start) / static_cast<double>(group.scans.size());
+        records->push_back(std::move(record));
+      }
+    }
+  }
+}
+
+std::size_t CountPlanes(const ScanModel& scan, const MapRefinement& refinement,
+                        const ScanGroup& group, const MapModel& map) {
+  std::set<std::int32_t> planes;
+  const Eigen::Matrix3d rotation = refinement.map_from_group.rotation.toRotationMatrix();
+  for (const GroupSample& s : SamplesOf(group, scan.samples.size())) {
+    const std::int32_t plane = scan.map.surfels()[s.surfel].segment;
+    if (plane < 0 || planes.count(plane)) continue;
+    const Eigen::Vector3d place = refinement.map_from_group * s.mean;
+    if (map.surfaces().Find(place, rotation * s.normal, kMostOff, 0.94) >= 0) planes.insert(plane);
+  }
+  return planes.size();
+}
+
+void Decide(const Sim3& expected, MapPairRecord* record) {
+  char text[160];
+  const Sim3& found = record->refinement.map_from_group;
+  const double off = (found.translation - expected.translation).norm();
+  const double turned = AngleBetween(found.rotation, expected.rotation);
+  const double sigma = std::sqrt(record->refinement.covariance.topLeftCorner<3, 3>().trace());
+  if (record->evidence.agree < kLeastAgree) {
+    std::snprintf(text, sizeof(text), "not enough overlap: the map confirms %.0f %% of the surfaces",
+                  100.0 * record->evidence.agree);
+  } else if (sigma > kMostSigma) {
+    record->status = RegistrationStatus::kDegenerate;
+    std::snprintf(text, sizeof(text), "too little to stand by itself: sigma %.2f m", sigma);
+  } else if (off > kMostOff || turned > kMostTurned) {
+    std::snprintf(text, sizeof(text), "differs from the scan's group by %.2f m and %.2f deg", off,
+                  turned * 57.29577951308232);
+  } else {
+    record->status = RegistrationStatus::kOk;
+    record->used = true;
+    return;
+  }
+  record->reason = text;
+}
+
+MapPairRecord RegisterToMap(const ScanModel& scan, const MapModel& map,
+                            const Sim3& metric_from_scan) {
+  const auto start = std::chrono::steady_clock::now();
+  MapPairRecord record;
+  const ScanGroup group(scan);
+  MapRefinementOptions options;
+  options.first_gate = 0.3;
+  options.sigma_scale = 0.0;
+  record.refinement = RefineInMap(map, group, metric_from_scan, options);
+  const double gate = std::max(0.1, 5.0 * map.planes().noise.constant);
+  record.evidence = MeasureEvidence(map, group, metric_from_scan, gate);
+  record.correspondences = CountPlanes(scan, record.refinement, group, map);
+  Decide(metric_from_scan, &record);
+  record.seconds = Seconds(start);
+  return record;
+}
+
+}  // namespace
+
+void PlaceInMaps(const Site& site, const std::vector<ScanModel>& models,
+                 const std::vector<ScanRecord>& scans, const std::vector<int>& component,
+                 const std::vector<OdometryStep>& odometry, const std::vector<MapRecord>& maps,
+                 const std::vector<MapModel>& map_models, int threads, Placement* placement,
+                 std::vector<MapPairRecord>* records) {
+  Placer(site, models, scans, component, odometry, maps, map_models, threads, placement)
+      .Run(records);
+}
+
+std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,
+                                          const std::vector<MapModel>& map_models,
+                                          const Placement& placement, int threads) {
+  std::vector<std::pair<std::size_t, std::size_t>> jobs;
+  for (std::size_t m = 0; m < map_models.size(); ++m) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (placement.placed[i]) jobs.push_back({m, i});
+    }
+  }
+  std::vector<MapPairRecord> records(jobs.size());
+  ParallelFor(jobs.size(), threads, [&](std::size_t k) {
+    const auto [m, i] = jobs[k];
+    const Sim3 metric_from_scan = placement.world_from_metric[m].Inverse() *
+                                  Sim3(placement.world_from_scan[i]);
+    records[k] = RegisterToMap(models[i], map_models[m], metric_from_scan);
+    records[k].map = m;
+    records[k].scan = i;
+  });
+  return records;
+}
+
+double MapVarianceFactor(const std::vector<MapPairRecord>& records, const Placement& placement,
+                         std::size_t map) {
+  constexpr double kUnknown = 4.0, kMedianOfChi2 = 0.891;  // six degrees of freedom, over six
+  std::vector<double> ratios;
+  for (const MapPairRecord& record : records) {
+    if (!record.used || record.map != map) continue;
+    const Sim3 expected = placement.world_from_metric[map].Inverse() *
+                          Sim3(placement.world_from_scan[record.scan]);
+    const Sim3& found = record.refinement.map_from_group;
+    Vector6d difference;
+    difference << found.translation - expected.translation,
+        LogSO3(found.rotation * expected.rotation.conjugate());
+    const Matrix6d covariance = record.refinement.covariance.topLeftCorner<6, 6>();
+    ratios.push_back(difference.dot(covariance.ldlt().solve(difference)) / 6.0);
+  }
+  if (ratios.size() < 3) return kUnknown;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return std::max(1.0, *middle / kMedianOfChi2);
+}
+
+}  // namespace planegraph
