@@ -251,6 +251,9 @@ Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
   return graph;
 }
 
+// Whether GPS alone keeps the graph, or a part of it, in its place.
+bool HeldByPriors(const Graph& graph) { return !graph.map_factors.empty(); }
+
 void TakeOver(Graph graph, JointSolution* solution) {
   solution->world_from_scan = PosesOf(graph);
   for (std::size_t m = 0; m < graph.maps.size(); ++m) {
@@ -259,7 +262,7 @@ void TakeOver(Graph graph, JointSolution* solution) {
   solution->graph = std::move(graph);
 }
 
-SolveOptions RoundOptions(const MapOptions& options, bool last) {
+SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_priors = false) {
   SolveOptions solve;
   solve.plane_factor = options.plane_factor;
   solve.plane_loss = options.loss;
@@ -269,6 +272,7 @@ SolveOptions RoundOptions(const MapOptions& options, bool last) {
   solve.max_iterations = last ? 25 : 5;
   solve.function_tolerance = last ? 1e-6 : 1e-4;
   solve.collect_residuals = last;
+  solve.initial_radius = held_by_priors ? 1e10 : 1e4;
   return solve;
 }
 
@@ -430,7 +434,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   bool last = false;
   for (solution.rounds = 0; solution.rounds < options.most_rounds && !last; ++solution.rounds) {
     Graph graph = BuildGraph(problem, solution, association, weights);
-    solution.summary = Solve(&graph, RoundOptions(options, false));
+    solution.summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     const std::vector<Rigid3> moved = PosesOf(graph);
     const double move = LargestMove(moved, solution.world_from_scan);
     last = association.gate <= last_gate && move < stable;
@@ -439,7 +443,8 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
     options.progress("solve", static_cast<double>(solution.rounds + 1) / options.most_rounds);
   }
   const double initial_cost = solution.summary.initial_cost;
-  solution.summary = Solve(&solution.graph, RoundOptions(options, true));
+  solution.summary =
+      Solve(&solution.graph, RoundOptions(options, true, HeldByPriors(solution.graph)));
   solution.summary.initial_cost = initial_cost;
   solution.last_move = LargestMove(PosesOf(solution.graph), solution.world_from_scan);
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses

@@ -106,6 +106,7 @@ ceres::Solver::Options CeresOptions(const SolveOptions& options, ceres::LinearSo
   ceres::Solver::Options ceres_options;
   ceres_options.linear_solver_type = type;
   ceres_options.max_num_iterations = options.max_iterations;
+  ceres_options.initial_trust_region_radius = options.initial_radius;
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = options.gradient_tolerance;
   ceres_options.parameter_tolerance = options.parameter_tolerance;

@@ -19,6 +19,9 @@ struct SolveOptions {
   LossSpec plane_loss;  ///< of every plane residual
   LossSpec pose_loss;   ///< of the pose factors that are marked robust
   int max_iterations = 100;
+  /// First radius of the trust region. Where weak priors alone (GPS of metres) hold a stiff graph,
+  /// the default damps its motion as a whole a thousandfold; a large one lets it go at once.
+  double initial_radius = 1e4;
   double function_tolerance = 1e-10, gradient_tolerance = 1e-10, parameter_tolerance = 1e-10;
   /// Threads inside Ceres. Its Schur elimination adds up in the order in which threads arrive, so
   /// that only one thread gives the same bytes in every run.
