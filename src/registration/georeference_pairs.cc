@@ -64,6 +64,12 @@ CameraPairing::CameraPairing(const CameraModel& model, const GpsTrack& track,
     : model_(model), track_(track), options_(options) {
   for (const Camera& camera : model.cameras) camera_names_.push_back(camera.image);
   ReadTimes(times);
+  const auto nameless = [](const std::string& name) { return name.empty(); };
+  if (!by_time() && std::all_of(camera_names_.begin(), camera_names_.end(), nameless)) {
+    throw UsageError(
+        "positions by image need the images' names, which these cameras have not: the "
+        "images' times give them, too");
+  }
   AddFixes();
   if (by_time()) FindDayShift();
 }

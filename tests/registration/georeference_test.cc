@@ -213,6 +213,11 @@ TEST(Georeference, InputsThatDoNotFitTogether) {
   const FlightWorld world;
   const GpsTrack track = world.Track(world.NoNoise());
   EXPECT_THROW(ComputeGeoreference(world.Model(), track, std::nullopt), UsageError);
+  CameraModel nameless = world.Model();
+  for (Camera& camera : nameless.cameras) camera.image.clear();
+  const GpsTrack by_image = world.MetricTrack(world.NoNoise());
+  EXPECT_THROW(ComputeGeoreference(nameless, by_image, std::nullopt), UsageError);
+  EXPECT_EQ(ComputeGeoreference(nameless, by_image, world.Times()).status, "ok");
   ImageTimes times = world.Times();
   times.times.pop_back();
   times.files.pop_back();

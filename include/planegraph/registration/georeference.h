@@ -72,7 +72,8 @@ struct Georeference {
 /// white, partly a first-order Gauss-Markov process; share and time of the correlation and the
 /// ratio of vertical to horizontal noise are averaged over by their restricted likelihood.
 ///
-/// Throws UsageError (an unknown method, GPS by time without `times`) and InputError (`times` of
+/// Throws UsageError (an unknown method, GPS by time, or by image for cameras
+/// without names, and no `times`) and InputError (`times` of
 /// another length than the cameras).
 Georeference ComputeGeoreference(const CameraModel& model, const GpsTrack& track,
                                  const std::optional<ImageTimes>& times,
