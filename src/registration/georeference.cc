@@ -104,7 +104,7 @@ Sim3 AlignAsThePaper(const std::vector<PositionPair>& pairs) {
   const double scale = in_map > 0.0 && in_world > 0.0 ? in_world / in_map : 1.0;
   std::vector<Eigen::Vector3d> scaled, target;
   for (const auto& pair : pairs) {
-    scaled.push_back(scale * pair.in_map);
+    scaled.emplace_back(scale * pair.in_map);
     target.push_back(pair.in_world);
   }
   const Sim3 rigid = AlignPoints(scaled, target, false).target_from_source;

@@ -124,11 +124,12 @@ void CameraPairing::AddFixes() {
 // Seconds of the day against seconds since 1970: whole days apart.
 void CameraPairing::FindDayShift() {
   if (fixes_.empty() || camera_times_.empty()) return;
-  const auto [first, last] = std::minmax_element(camera_times_.begin(), camera_times_.end());
+  const auto ends = std::minmax_element(camera_times_.begin(), camera_times_.end());
+  const double first = *ends.first, last = *ends.second;
   const auto overlap = [&](double shift) {
-    return *first + shift <= fixes_.back().time && *last + shift >= fixes_.front().time;
+    return first + shift <= fixes_.back().time && last + shift >= fixes_.front().time;
   };
-  const double middle = 0.5 * (fixes_.front().time + fixes_.back().time - *first - *last);
+  const double middle = 0.5 * (fixes_.front().time + fixes_.back().time - first - last);
   const double shift = kDay * std::round(middle / kDay);
   if (!overlap(0.0) && overlap(shift)) day_shift_ = shift;
 }
