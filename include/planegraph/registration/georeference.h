@@ -17,7 +17,8 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 struct GeoreferenceOptions {
   /// `robust`: a similarity by random samples and a robust, correlation-aware fit. `paper`: the
   /// nearest fix for each camera, scale by the ratio of the mean distances of adjacent positions,
-  /// then a rigid alignment (Surmann, Berninger and Worst); kept for comparison.
+  /// then a rigid alignment (Surmann, Berninger and Worst); kept for comparison. Its covariance is
+  /// what least squares would have under white noise: it knows nothing of the method's bias.
   std::string method = "robust";
   std::optional<GeodeticPosition>
       origin;                        ///< of the world's east-north-up frame; first fix if none
