@@ -11,32 +11,26 @@ namespace {
 
 using nlohmann::json;
 
-// The parsed file, and the names of the first reconstruction's shots in its order (the library
-// sorts the keys of objects).
-struct OrderedFile {
-  json reconstructions;
-  std::vector<std::string> shots;
-};
-
-OrderedFile ParseInOrder(std::string_view bytes, const std::string& file) {
-  OrderedFile result;
+// Notes the names of the first reconstruction's shots in the file's order (the library sorts the
+// keys of objects).
+json ParseInOrder(std::string_view bytes, const std::string& file,
+                  std::vector<std::string>* shots) {
   std::size_t arrays_passed = 0;
   bool in_shots = false;
   const auto note = [&](int depth, json::parse_event_t event, json& parsed) {
     if (event == json::parse_event_t::object_end && depth == 1) ++arrays_passed;
     if (event != json::parse_event_t::key || arrays_passed > 0) return true;
     if (depth == 2) in_shots = parsed == "shots";
-    if (depth == 3 && in_shots) result.shots.push_back(parsed.get<std::string>());
+    if (depth == 3 && in_shots) shots->push_back(parsed.get<std::string>());
     return true;
   };
   try {
-    result.reconstructions = json::parse(bytes, note);
+    return json::parse(bytes, note);
   } catch (const json::parse_error& error) {
     throw InputError::AtByte(file, error.byte, "is not valid JSON");
   } catch (const json::out_of_range&) {
     throw InputError::InFile(file, "holds a number that is out of range");
   }
-  return result;
 }
 
 class OpenSfmReader {
@@ -104,8 +98,8 @@ class OpenSfmReader {
 }  // namespace
 
 CameraModel ParseOpenSfm(std::string_view bytes, const std::string& file) {
-  const OrderedFile parsed = ParseInOrder(bytes, file);
-  const json& all = parsed.reconstructions;
+  std::vector<std::string> shots;
+  const json all = ParseInOrder(bytes, file, &shots);
   const bool usable = all.is_array() && !all.empty() && all[0].is_object();
   if (!usable || !all[0].contains("shots") || !all[0]["shots"].is_object()) {
     throw InputError::InFile(file, "is no OpenSfM reconstruction: no list of objects with `shots`");
@@ -114,7 +108,7 @@ CameraModel ParseOpenSfm(std::string_view bytes, const std::string& file) {
   CameraModel model;
   model.format = "opensfm";
   model.ignored_models = all.size() - 1;
-  for (const std::string& name : parsed.shots) model.cameras.push_back(reader.Shot(name));
+  for (const std::string& name : shots) model.cameras.push_back(reader.Shot(name));
   model.points = reader.Points();
   return model;
 }

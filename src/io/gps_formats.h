@@ -14,7 +14,8 @@ namespace planegraph {
 GpsTrack ParseGpsCsv(std::string_view bytes, const std::string& file);
 ImageTimes ParseImageTimes(std::string_view bytes, const std::string& file);
 
-GpsTrack ParseNmea(std::string_view bytes, const std::string& file);
+/// Sentences that are no good are counted, nothing is thrown.
+GpsTrack ParseNmea(std::string_view bytes);
 /// Whether one of the first lines holds a sentence.
 bool LooksLikeNmea(std::string_view bytes);
 

@@ -13,7 +13,7 @@ GpsTrack ReadAnyGps(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return ReadExifFolder(path);
   const FileBytes file(path);
-  return LooksLikeNmea(file.view()) ? ParseNmea(file.view(), path) : ParseGpsCsv(file.view(), path);
+  return LooksLikeNmea(file.view()) ? ParseNmea(file.view()) : ParseGpsCsv(file.view(), path);
 }
 
 }  // namespace

@@ -175,8 +175,6 @@ bool LooksLikeNmea(std::string_view bytes) {
   return false;
 }
 
-GpsTrack ParseNmea(std::string_view bytes, const std::string& /*file*/) {
-  return NmeaParser().Parse(bytes);
-}
+GpsTrack ParseNmea(std::string_view bytes) { return NmeaParser().Parse(bytes); }
 
 }  // namespace planegraph

@@ -104,7 +104,7 @@ Sim3 AlignAsThePaper(const std::vector<PositionPair>& pairs) {
   const double scale = in_map > 0.0 && in_world > 0.0 ? in_world / in_map : 1.0;
   std::vector<Eigen::Vector3d> scaled, target;
   for (const auto& pair : pairs) {
-    scaled.push_back(scale * pair.in_map);
+    scaled.emplace_back(scale * pair.in_map);
     target.push_back(pair.in_world);
   }
   const Sim3 rigid = AlignPoints(scaled, target, false).target_from_source;
@@ -122,12 +122,21 @@ class Georeferencer {
   }
 
   Georeference Run() {
-    options_.method == "paper" ? TakePaperPairs() : TakeRobustPairs();
+    const bool paper = options_.method == "paper";
+    if (paper) {
+      TakePaperPairs();
+    } else {
+      TakeRobustPairs();
+    }
     if (pairs_.size() < kLeastCameras) {
       Degenerate(Format("only %zu of %zu registered cameras have a position: 3 are needed",
                         pairs_.size(), pairing_.valid_cameras()));
     } else {
-      options_.method == "paper" ? FitAsThePaper() : FitRobust();
+      if (paper) {
+        FitAsThePaper();
+      } else {
+        FitRobust();
+      }
       if (result_.has_estimate) Judge();
     }
     ListFixes();
@@ -135,7 +144,10 @@ class Georeferencer {
   }
 
  private:
-  void TakePaperPairs() { pairs_ = pairing_.NearestPairs(); }
+  void TakePaperPairs() {
+    result_.time_offset = pairing_.day_shift();
+    pairs_ = pairing_.NearestPairs();
+  }
   void TakeRobustPairs() {
     double offset = 0.0;
     if (pairing_.by_time() && options_.max_time_offset > 0.0) {
@@ -208,8 +220,9 @@ class Georeferencer {
   // Scale and rotation must be known; the second spread is what holds the rotation about the first.
   void Judge() {
     constexpr double kStraight = 1e-5;  // of the length: rounding
+    constexpr double kNoise = 1.5;  // a spread of so many sigmas may be noise of the model itself
     const Eigen::Vector3d spread = Spread();
-    const double noise = std::max(result_.sigma_horizontal, result_.sigma_vertical);
+    const double noise = result_.sigma_horizontal;
     const double sigma_rotation = SigmaRotation();
     result_.status = "ok";
     if (!(result_.sigma_scale <= options_.max_sigma_scale)) {
@@ -217,7 +230,7 @@ class Georeferencer {
           Format("the positions are clustered: they spread %.3g m (rms) with a noise of %.3g "
                  "m, so the scale is known to %.3g %% only",
                  spread[2], noise, 100.0 * result_.sigma_scale));
-    } else if (spread[1] <= std::max(kStraight * spread[2], noise) ||
+    } else if (spread[1] <= std::max(kStraight * spread[2], kNoise * noise) ||
                sigma_rotation > options_.max_sigma_rotation) {
       Degenerate(
           Format("the positions lie on a straight line: they spread %.3g m (rms) along it and "

@@ -272,7 +272,7 @@ class Solution {
 
 CorrelatedFit FitCorrelated(const std::vector<PositionPair>& pairs, const Sim3& start,
                             const CorrelationOptions& options) {
-  constexpr int kRounds = 5;
+  constexpr int kRounds = 3;
   const double least_variance = std::pow(NoiseFloor(pairs, start), 2);
   CorrelatedFit fit;
   fit.world_from_map = start;

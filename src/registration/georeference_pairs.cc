@@ -64,6 +64,12 @@ CameraPairing::CameraPairing(const CameraModel& model, const GpsTrack& track,
     : model_(model), track_(track), options_(options) {
   for (const Camera& camera : model.cameras) camera_names_.push_back(camera.image);
   ReadTimes(times);
+  const auto nameless = [](const std::string& name) { return name.empty(); };
+  if (!by_time() && std::all_of(camera_names_.begin(), camera_names_.end(), nameless)) {
+    throw UsageError(
+        "positions by image need the images' names, which these cameras have not: the "
+        "images' times give them, too");
+  }
   AddFixes();
   if (by_time()) FindDayShift();
 }
@@ -118,11 +124,12 @@ void CameraPairing::AddFixes() {
 // Seconds of the day against seconds since 1970: whole days apart.
 void CameraPairing::FindDayShift() {
   if (fixes_.empty() || camera_times_.empty()) return;
-  const auto [first, last] = std::minmax_element(camera_times_.begin(), camera_times_.end());
+  const auto ends = std::minmax_element(camera_times_.begin(), camera_times_.end());
+  const double first = *ends.first, last = *ends.second;
   const auto overlap = [&](double shift) {
-    return *first + shift <= fixes_.back().time && *last + shift >= fixes_.front().time;
+    return first + shift <= fixes_.back().time && last + shift >= fixes_.front().time;
   };
-  const double middle = 0.5 * (fixes_.front().time + fixes_.back().time - *first - *last);
+  const double middle = 0.5 * (fixes_.front().time + fixes_.back().time - first - last);
   const double shift = kDay * std::round(middle / kDay);
   if (!overlap(0.0) && overlap(shift)) day_shift_ = shift;
 }

@@ -125,6 +125,7 @@ TEST(Cli, AMissingFileIsBadInputAndNamed) {
       {"convert", "missing.ply out.ply"},
       {"evaluate", "--reference=missing.tum --estimate=missing.tum"},
       {"evaluate", "--map=missing.ply"},
+      {"georeference", "--cameras=missing.out --gps=missing.csv"},
   };
   for (const auto& [command, arguments] : runs) {
     if (!IsListed(command)) continue;

@@ -65,3 +65,35 @@ write("dtk_pose", "turned", "100 200 300\n10 -90 1e1\n")
 VERTICES = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2 3 0 0 1 0\n"
 write("g2o", "se3", VERTICES + "FIX 0\nEDGE_SE3:QUAT 0 1 1 2 3 0 0 1 0 " + " ".join("1" * 21) + "\n")
 write("g2o", "se2", "VERTEX_SE2 0 1 2 0.5\nEDGE_SE2 0 0 1 2 3 1 0 0 1 0 1\nVERTEX_PLANE 5 1\n")
+
+TURNED = "0 -1 0\n1 0 0\n0 0 1\n1 2 3\n"
+write("cameras", "mve", f"drews 1.0\n2 1\n0.7 0 0\n{TURNED}" + "0 0 0\n" * 5 + "7 8 9\n1 2 3\n1 0 5 0\n")
+write("cameras", "bundler", f"# Bundle file v0.3\n1 1\n500 0 0\n{TURNED}7 8 9\n1 2 3\n1 0 5 -3.5 2\n")
+write("cameras", "colmap", "# c\n2 1 0 0 0 1 2 3 1 b c.jpg\n1.5 2.5 -1\n1 1 0 0 0 0 0 0 9 a.jpg\n\n")
+write("cameras", "opensfm", '[{"cameras":{"c":{"focal":0.8}},"shots":{"z":{"rotation":[0,0,1],"translation":[1,2,3],"camera":"c"}},'
+                            '"points":{"1":{"coordinates":[1,2,3]}}},{}]')
+write("colmap_binary", "cameras", b"c" + struct.pack("<QIiQQ4d", 1, 1, 1, 640, 480, 501, 502, 320, 240))
+write("colmap_binary", "images", b"i" + struct.pack("<QI7dI", 1, 2, 1, 0, 0, 0, 1, 2, 3, 1) + b"a.jpg\0" + struct.pack("<QddQ", 1, 1.5, 2.5, 7))
+write("colmap_binary", "points", b"p" + struct.pack("<QQ3d3BdQII", 1, 7, 1, 2, 3, 10, 20, 30, 0.5, 1, 1, 2))
+
+write("gps", "by_time", "time,lat,lon,alt\n1000.5,51.4,7.5,149.6\n1001.5,,,\n")
+write("gps", "by_image", "\"file\";Longitude;Latitude;height\na.jpg;7.5;-51;3\n")
+write("gps", "metric", "# c\nimage x y z\na.jpg 1 2 3\n")
+write("gps", "image_times", "time,file\n1000.0,a.jpg\n")
+write("gps", "nmea", "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"
+                     "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n")
+
+
+def exif():
+    """A JPEG of nothing but its EXIF with a GPS directory."""
+    rationals = [(2, (46, 50, 33)), (4, (91, 59, 40)), (6, (198,))]
+    values, entries = b"", {1: (2, 2, b"N\0\0\0"), 3: (2, 2, b"W\0\0\0"), 5: (1, 1, b"\0\0\0\0")}
+    for tag, numbers in rationals:
+        entries[tag] = (5, len(numbers), struct.pack("<I", 104 + len(values)))
+        values += b"".join(struct.pack("<II", n, 1) for n in numbers)
+    gps = struct.pack("<H", 6) + b"".join(struct.pack("<HHI", t, f, n) + v for t, (f, n, v) in sorted(entries.items())) + bytes(4)
+    tiff = b"II*\0" + struct.pack("<IHHHII", 8, 1, 0x8825, 4, 1, 26) + bytes(4) + gps + values
+    return b"\xff\xd8\xff\xe1" + struct.pack(">H", len(tiff) + 8) + b"Exif\0\0" + tiff + b"\xff\xd9"
+
+
+write("exif", "position", exif())

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 // Libraries that no header of ours may show to its users.
 const std::regex kHiddenLibrary(
-    "(nlohmann|yaml-cpp|pcl|embree[0-9]*|glog|gflags)/.*|nanoflann\\.hpp");
+    "(nlohmann|yaml-cpp|pcl|embree[0-9]*|GeographicLib|libexif|glog|gflags)/.*|nanoflann\\.hpp");
 // The rooms in which the solver's library is at home.
 const std::set<std::string> kCeresRooms = {"graph", "factors", "solve"};
 const std::set<std::string> kFactorsSee = {"base", "geometry", "graph", "factors"};

@@ -71,6 +71,38 @@ robots:
   EXPECT_EQ(robot.filters[1].parameters.at("size"), 0.1);
 }
 
+TEST_F(SiteFile, ReadsTheOriginAndWhatIsKnownOfAMap) {
+  Write("uav/cloud.ply", "");
+  const Site site = ReadSite(Write("site.yaml", R"(origin: {lat: 51.5, lon: -7.5, alt: 115}
+robots: [{name: a, scans: scans}]
+maps:
+  - {name: m, cloud: uav/cloud.ply, scale_sigma: 0.01, gps_sigma: 1.5}
+  - {name: n, cloud: uav/cloud.ply}
+)"));
+  ASSERT_TRUE(site.origin.has_value());
+  EXPECT_EQ(site.origin->latitude, 51.5);
+  EXPECT_EQ(site.origin->longitude, -7.5);
+  EXPECT_EQ(site.origin->altitude, 115.0);
+  EXPECT_EQ(site.maps[0].scale_sigma, 0.01);
+  EXPECT_EQ(site.maps[0].gps_sigma, 1.5);
+  EXPECT_FALSE(site.maps[1].scale_sigma.has_value());
+  EXPECT_FALSE(ReadSite(Write("b.yaml", "robots: [{name: a, scans: scans}]")).origin.has_value());
+}
+
+TEST_F(SiteFile, OriginsAndSigmasThatMakeNoSense) {
+  const std::string robots = "robots: [{name: a, scans: scans}]\n";
+  ExpectError(robots + "origin: {lat: 51, lon: 7}\n", "2", "`alt`");
+  ExpectError(robots + "origin: {lat: 91, lon: 7, alt: 0}\n", "2", "on earth");
+  ExpectError(robots + "origin: {lat: .nan, lon: 7, alt: 0}\n", "2", "on earth");
+  ExpectError(robots + "origin: {lat: far, lon: 7, alt: 0}\n", "2", "lat");
+  ExpectError(robots + "origin: [51, 7, 0]\n", "2", "entries");
+  ExpectError(robots + "origin: {lat: 1, lon: 7, alt: 0, z: 1}\n", "2", "'z'");
+  const std::string map = robots + "maps:\n  - name: m\n    cloud: scans/a.xyz\n    ";
+  ExpectError(map + "scale_sigma: 0\n", "5", "positive");
+  ExpectError(map + "gps_sigma: -1\n", "5", "positive");
+  ExpectError(map + "gps_sigma: .inf\n", "5", "positive");
+}
+
 TEST_F(SiteFile, TheNameIsTheFilesWithoutOne) {
   EXPECT_EQ(ReadSite(Write("barn.yaml", "robots: [{name: a, scans: scans}]")).name, "barn");
 }

@@ -17,7 +17,8 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 struct GeoreferenceOptions {
   /// `robust`: a similarity by random samples and a robust, correlation-aware fit. `paper`: the
   /// nearest fix for each camera, scale by the ratio of the mean distances of adjacent positions,
-  /// then a rigid alignment (Surmann, Berninger and Worst); kept for comparison.
+  /// then a rigid alignment (Surmann, Berninger and Worst); kept for comparison. Its covariance is
+  /// what least squares would have under white noise: it knows nothing of the method's bias.
   std::string method = "robust";
   std::optional<GeodeticPosition>
       origin;                        ///< of the world's east-north-up frame; first fix if none
@@ -72,7 +73,8 @@ struct Georeference {
 /// white, partly a first-order Gauss-Markov process; share and time of the correlation and the
 /// ratio of vertical to horizontal noise are averaged over by their restricted likelihood.
 ///
-/// Throws UsageError (an unknown method, GPS by time without `times`) and InputError (`times` of
+/// Throws UsageError (an unknown method, GPS by time, or by image for cameras
+/// without names, and no `times`) and InputError (`times` of
 /// another length than the cameras).
 Georeference ComputeGeoreference(const CameraModel& model, const GpsTrack& track,
                                  const std::optional<ImageTimes>& times,
