@@ -15,6 +15,8 @@ planegraph_find_package(yaml-cpp)
 planegraph_find_package(nanoflann)
 planegraph_find_package(embree 3)
 planegraph_find_package(ZLIB)
+# Debian's GeographicLib has no CMake package on the usual path; its name is all that the linker needs.
+find_library(PLANEGRAPH_GEOGRAPHICLIB GeographicLib REQUIRED)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)
