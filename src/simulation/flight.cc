@@ -48,7 +48,7 @@ std::vector<double> Stations(double low, double high, double step) {
   return stations;
 }
 
-// Back and forth along y, looking down with the image's upper edge ahead.
+// Back and forth along y, looking down and somewhat ahead, with the image's upper edge ahead.
 std::vector<Rigid3> Lines(const Vector2d& low, const Vector2d& high, const FlightOptions& o) {
   const double across = o.height / o.camera.focal;
   const double along = across * o.camera.height / o.camera.width;
@@ -59,10 +59,12 @@ std::vector<Rigid3> Lines(const Vector2d& low, const Vector2d& high, const Fligh
   }
   std::vector<Rigid3> poses;
   double ahead = 1.0;
+  const double sine = std::sin(o.line_pitch), cosine = std::cos(o.line_pitch);
   for (const double x : columns) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const double y = ahead > 0.0 ? rows[k] : rows[rows.size() - 1 - k];
-      poses.push_back(LookAlong({x, y, o.height}, -Vector3d::UnitZ(), ahead * Vector3d::UnitY()));
+      poses.push_back(
+          LookAlong({x, y, o.height}, {0.0, ahead * sine, -cosine}, {0.0, ahead * cosine, sine}));
     }
     ahead = -ahead;
   }

@@ -34,7 +34,8 @@ Vector3d BaseColor(std::uint64_t seed, const RayCaster::Hit& hit) {
   if (hit.label == kNotPlanar) return {0.30, 0.42, 0.20};
   const auto key = static_cast<std::uint64_t>(hit.label);
   const double hue = HashUniform(seed ^ kHue, key), shade = HashUniform(seed ^ kShade, key);
-  if (hit.normal.z() > 0.97) return FromHsv(0.08 + 0.1 * hue, 0.18, 0.45 + 0.15 * shade);
+  if (hit.normal.z() > 0.97)
+    return FromHsv(0.08 + 0.12 * hue, 0.05 + 0.2 * hue, 0.35 + 0.35 * shade);
   if (hit.normal.z() > 0.3) return FromHsv(0.02 * hue, 0.35 + 0.2 * hue, 0.45 + 0.2 * shade);
   return FromHsv(hue < 0.7 ? 0.15 * hue : hue, 0.25, 0.6 + 0.3 * shade);
 }

@@ -38,7 +38,7 @@ struct PhotogrammetryOptions {
 
   /// Texture: a share poor_planes of the upright planes keeps only poor_kept of its points, and the
   /// share hole_share of the surface, in patches of about hole_size metres, only a tenth.
-  double poor_planes = 0.1, poor_kept = 0.12, hole_share = 0.06, hole_size = 1.5;
+  double poor_planes = 0.1, poor_kept = 0.12, hole_share = 0.05, hole_size = 2.0;
   double outlier_share = 0.002, outlier_sigma = 1.5;  ///< errors of the depth, metres
   double normal_sigma = 0.09;                         ///< each axis, radians
 
