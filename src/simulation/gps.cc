@@ -38,6 +38,9 @@ GpsTrack SimulateGps(const Flight& flight, const GpsOptions& options, Random* ra
   Vector3d drift = Normals(options.drift_sigma, random);
   const double kept = std::exp(-options.period / options.drift_time);
   const double duration = flight.times.back() - flight.times.front();
+  constexpr double kMostFixes = 1e7;
+  if (duration / options.period > kMostFixes)
+    throw UsageError("a GPS track of more than 1e7 fixes");
   const int count = 1 + static_cast<int>(std::floor(duration / options.period));
   for (int i = 0; i < count; ++i) {
     const double time = flight.times.front() + i * options.period;

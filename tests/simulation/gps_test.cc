@@ -114,6 +114,8 @@ TEST(GpsTest, RefusesOptionsWithoutSense) {
   Random random(0);
   EXPECT_THROW(SimulateGps(StraightFlight(1.0), period, &random), UsageError);
   EXPECT_THROW(SimulateGps(StraightFlight(1.0), drift, &random), UsageError);
+  period.period = 1e-12;
+  EXPECT_THROW(SimulateGps(StraightFlight(1.0), period, &random), UsageError);
   EXPECT_TRUE(SimulateGps(Flight(), GpsOptions(), &random).times.empty());
 }
 
