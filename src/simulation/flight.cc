@@ -23,8 +23,9 @@ void CheckOptions(const FlightOptions& o) {
   if (!share(o.overlap_along) || !share(o.overlap_across)) {
     throw UsageError("the overlaps of a flight must lie in [0, 1)");
   }
-  if (!(o.height > 0.0 && o.speed > 0.0 && std::isfinite(o.height)) || o.ring_images < 0 ||
-      o.ring_images > kMostImages) {
+  const auto number = [](int images) { return images >= 0 && images <= kMostImages; };
+  if (!(o.height > 0.0 && o.speed > 0.0 && std::isfinite(o.height)) || !number(o.ring_images) ||
+      !number(o.inner_ring_images)) {
     throw UsageError("a flight needs a height and a speed > 0, and at most 5000 images");
   }
 }
@@ -71,13 +72,13 @@ std::vector<Rigid3> Lines(const Vector2d& low, const Vector2d& high, const Fligh
   return poses;
 }
 
-std::vector<Rigid3> Ring(const Vector2d& low, const Vector2d& high, const FlightOptions& o) {
-  const Vector2d middle = 0.5 * (low + high);
-  const Vector2d radii = 0.5 * (high - low) + Vector2d::Constant(o.ring_margin);
+// An ellipse.
+std::vector<Rigid3> Ring(const Vector2d& middle, const Vector2d& radii, int images,
+                         const FlightOptions& o) {
   const Vector3d target(middle.x(), middle.y(), o.target_height);
   std::vector<Rigid3> poses;
-  for (int i = 0; i < o.ring_images; ++i) {
-    const double azimuth = 6.283185307179586 * i / o.ring_images;
+  for (int i = 0; i < images; ++i) {
+    const double azimuth = 6.283185307179586 * i / images;
     const Vector3d position(middle.x() + radii.x() * std::cos(azimuth),
                             middle.y() + radii.y() * std::sin(azimuth), o.ring_height);
     poses.push_back(LookAlong(position, target - position, Vector3d::UnitZ()));
@@ -111,8 +112,12 @@ Flight PlanFlight(const Vector2d& low, const Vector2d& high, const FlightOptions
                   Random* random) {
   CheckOptions(options);
   Flight flight{options.camera, {}, Lines(low, high, options)};
-  const auto ring = Ring(low, high, options);
-  flight.world_from_camera.insert(flight.world_from_camera.end(), ring.begin(), ring.end());
+  const Vector2d middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  const Vector2d margin = Vector2d::Constant(options.ring_margin);
+  for (const auto& ring : {Ring(middle, half + margin, options.ring_images, options),
+                           Ring(middle, 0.5 * half, options.inner_ring_images, options)}) {
+    flight.world_from_camera.insert(flight.world_from_camera.end(), ring.begin(), ring.end());
+  }
   double time = options.start_time;
   for (std::size_t k = 0; k < flight.world_from_camera.size(); ++k) {
     Rigid3& pose = flight.world_from_camera[k];

@@ -46,7 +46,7 @@ TEST(PinholeCameraTest, NothingBehindOrBesideTheImage) {
 
 TEST(FlightTest, LinesLookDownWithTheirHeadingUpwardsInTheImage) {
   FlightOptions options = AsPlanned();
-  options.ring_images = 0;
+  options.ring_images = options.inner_ring_images = 0;
   const Flight flight = Plan(options);
   ASSERT_GT(flight.world_from_camera.size(), 2u);
   const Rigid3& first = flight.world_from_camera[0];
@@ -58,7 +58,7 @@ TEST(FlightTest, LinesLookDownWithTheirHeadingUpwardsInTheImage) {
 
 TEST(FlightTest, FootprintsOverlapAsAsked) {
   FlightOptions options = AsPlanned();
-  options.ring_images = 0;
+  options.ring_images = options.inner_ring_images = 0;
   const Flight flight = Plan(options);
   const double width = options.height / 0.71875, height = width * 0.75;
   double largest_along = 0.0, largest_across = 0.0;
@@ -75,18 +75,19 @@ TEST(FlightTest, FootprintsOverlapAsAsked) {
   EXPECT_GT(largest_across, 0.5 * width * (1.0 - options.overlap_across));
 }
 
-TEST(FlightTest, TheRingLooksAtTheMiddleFromOutside) {
+TEST(FlightTest, TheRingsLookAtTheMiddle) {
   const FlightOptions options = AsPlanned();
   const Flight flight = Plan(options);
-  const std::size_t lines = flight.world_from_camera.size() - options.ring_images;
-  for (std::size_t k = lines; k < flight.world_from_camera.size(); ++k) {
+  const std::size_t inner = flight.world_from_camera.size() - options.inner_ring_images;
+  for (std::size_t k = inner - options.ring_images; k < flight.world_from_camera.size(); ++k) {
     const Rigid3& pose = flight.world_from_camera[k];
     const auto pixel = options.camera.Project(pose.Inverse() * Vector3d(0, 0, 2.0));
     ASSERT_TRUE(pixel.has_value());
     EXPECT_LT((*pixel - Vector2d(320.0, 240.0)).norm(), 1e-6);
     EXPECT_LT((pose.rotation * Vector3d::UnitY()).z(), -0.5) << "down is down";
     EXPECT_NEAR((pose.rotation * Vector3d::UnitX()).z(), 0.0, 1e-12) << "a level horizon";
-    EXPECT_GT(pose.translation.head<2>().norm(), 20.0);
+    const double radius = pose.translation.head<2>().norm();
+    EXPECT_TRUE(k < inner ? radius > 20.0 + 11.9 : radius > 9.9 && radius < 12.6) << radius;
   }
 }
 
@@ -131,6 +132,7 @@ TEST(FlightTest, RefusesOptionsWithoutSense) {
   refused([&](FlightOptions* o) { o->height = nan; });
   refused([](FlightOptions* o) { o->speed = -1.0; });
   refused([](FlightOptions* o) { o->ring_images = -1; });
+  refused([](FlightOptions* o) { o->inner_ring_images = 1000000; });
   refused([](FlightOptions* o) { o->camera.focal = 0.0; });
   refused([](FlightOptions* o) { o->camera.width = 0; });
   EXPECT_THROW(Plan(FlightOptions(), {0.0, 0.0}, {1e9, 1e9}), UsageError);

@@ -23,17 +23,18 @@ struct PinholeCamera {
 };
 
 /// How a drone takes its images: first parallel lines over the area, looking down and somewhat
-/// ahead, then a ring around it, looking at its middle.
+/// ahead, then a ring around it and another one half as large as the area, looking at its middle.
 struct FlightOptions {
   PinholeCamera camera;
   double height = 22.0;         ///< of the lines above the world's zero, metres
   double overlap_along = 0.8;   ///< of successive images' footprints on a line, in [0, 1)
   double overlap_across = 0.7;  ///< of the footprints on neighbouring lines, in [0, 1)
   double line_pitch = 0.25;     ///< how far the lines' images look ahead of straight down, radians
-  int ring_images = 48;         ///< 0: no ring
-  double ring_height = 15.0;    ///< above the world's zero, metres
-  double ring_margin = 12.0;    ///< from the area's edge outwards, metres
-  double target_height = 2.0;   ///< of the point that the ring's images show, metres
+  int ring_images = 48;         ///< on the outer ring, at even angles; 0: no ring
+  int inner_ring_images = 32;   ///< its images show the facades beyond the middle
+  double ring_height = 15.0;    ///< of both above the world's zero, metres
+  double ring_margin = 12.0;    ///< of the outer one from the area's edge outwards, metres
+  double target_height = 2.0;   ///< of the point in the rings' images' middle, metres
   double speed = 2.0;           ///< metres per second
   double start_time = 200.0;    ///< seconds
   double position_sigma = 0.3;  ///< of each image's place against the plan, each axis, metres

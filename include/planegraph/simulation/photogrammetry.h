@@ -21,7 +21,7 @@ namespace planegraph {
 /// max_angle. The error has a part that all images share (texture and regularization are the same),
 /// one of the image, both smooth over `correlation_length`, and a white one.
 struct PhotogrammetryOptions {
-  int pixel_step = 12;           ///< one depth per square of so many pixels; 1 to 480
+  int pixel_step = 13;           ///< one depth per square of so many pixels; 1 to 480
   double disparity_sigma = 0.5;  ///< pixels
   double surface_share = 0.4, image_share = 0.4;  ///< of the variance; the rest is white
   double correlation_length = 0.6;                ///< metres
