@@ -43,8 +43,8 @@ struct ScanPair {
     options.scene = SceneKind::kHall;
     options.scans = 12;
     const SimulatedSite site = Simulate(options);
-    target = KeepLargest(SegmentPlanes(site.scans[1].cloud).planes, kPlanes);
-    source = KeepLargest(SegmentPlanes(site.scans[2].cloud).planes, kPlanes);
+    target = KeepLargest(SegmentPlanes(site.robots[0].scans[1].cloud).planes, kPlanes);
+    source = KeepLargest(SegmentPlanes(site.robots[0].scans[2].cloud).planes, kPlanes);
   }
 };
 

@@ -96,7 +96,8 @@ void Compare(SceneKind kind, std::uint64_t seed, Score* total_ours, Score* total
   options.scans = 2;
   options.scanner.beams = 1081;
   options.scanner.sweeps = 275;
-  const LabelledScan scan = Simulate(options).scans[1];
+  options.drone_mode = DroneMode::kOff;
+  const LabelledScan scan = Simulate(options).robots[0].scans[1];
   Score ours, pcl;
   constexpr int kRepeats = 5;
   Segmentation segmentation;

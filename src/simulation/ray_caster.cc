@@ -91,13 +91,16 @@ std::optional<RayCaster::Hit> RayCaster::Cast(const Eigen::Vector3d& origin,
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const int label = impl_->mesh.labels[ray.hit.primID];
   if (label == kNotPlanar) {
-    const Eigen::Vector3d normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
-    return Hit{ray.ray.tfar, std::abs(normal.normalized().dot(direction)), label};
+    const Eigen::Vector3d normal =
+        Eigen::Vector3d(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized();
+    const double slope = normal.dot(direction);
+    return Hit{ray.ray.tfar, std::abs(slope), label, slope > 0.0 ? -normal : normal};
   }
   const Plane& plane = impl_->mesh.planes[label];
   const double slope = plane.normal.dot(direction);
   const double distance = -plane.SignedDistance(origin) / slope;
-  return Hit{std::clamp(distance, 0.0, max_distance), std::abs(slope), label};
+  return Hit{std::clamp(distance, 0.0, max_distance), std::abs(slope), label,
+             slope > 0.0 ? -plane.normal : plane.normal};
 }
 
 }  // namespace planegraph

@@ -6,12 +6,10 @@
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "simulation/scenes.h"
+#include "simulation/streams.h"
 
 namespace planegraph {
 namespace {
-
-// Streams of random numbers; simulation.cc takes others.
-constexpr std::uint64_t kSceneStream = 1, kDriveStream = 2;
 
 double PathLength(const std::vector<Eigen::Vector2d>& path) {
   double length = 0.0;
@@ -73,37 +71,40 @@ Eigen::Quaterniond RandomTilt(const PoseOptions& options, Random* random) {
 }  // namespace
 
 SceneKind ParseSceneKind(const std::string& name) {
-  for (const auto kind : {SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard}) {
+  for (const auto kind :
+       {SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard, SceneKind::kQuarter}) {
     if (name == SceneName(kind)) return kind;
   }
-  throw UsageError("unknown scene '" + name + "' (hall, corridor or yard)");
+  throw UsageError("unknown scene '" + name + "' (hall, corridor, yard or quarter)");
 }
 
 std::string SceneName(SceneKind kind) {
   if (kind == SceneKind::kHall) return "hall";
-  return kind == SceneKind::kCorridor ? "corridor" : "yard";
+  if (kind == SceneKind::kCorridor) return "corridor";
+  return kind == SceneKind::kYard ? "yard" : "quarter";
 }
 
 Scene BuildScene(SceneKind kind, std::uint64_t seed, double max_range) {
   Random random(seed, kSceneStream);
   if (kind == SceneKind::kHall) return BuildHall(&random);
-  return kind == SceneKind::kCorridor ? BuildCorridor(&random, max_range) : BuildYard(&random);
+  if (kind == SceneKind::kCorridor) return BuildCorridor(&random, max_range);
+  return kind == SceneKind::kYard ? BuildYard(&random) : BuildQuarter(&random);
 }
 
 std::vector<Rigid3> DrivePath(const Scene& scene, const RayCaster& caster, int count,
-                              const PoseOptions& options, std::uint64_t seed) {
-  Random random(seed, kDriveStream);
-  const double length = PathLength(scene.path);
+                              const PoseOptions& options, std::uint64_t seed, std::size_t drive) {
+  Random random(seed, kDriveStream + kStreamsPerRobot * drive);
+  const std::vector<Eigen::Vector2d>& path = scene.drives.at(drive).path;
+  const double length = PathLength(path);
   std::vector<Rigid3> poses;
   for (int k = 0; k < count; ++k) {
     const double at = count > 1 ? length * k / (count - 1) : 0.0;
     // The robot cuts corners: its heading follows a chord of the path.
-    const Eigen::Vector2d chord =
-        PointOnPath(scene.path, at + 0.7) - PointOnPath(scene.path, at - 0.7);
+    const Eigen::Vector2d chord = PointOnPath(path, at + 0.7) - PointOnPath(path, at - 0.7);
     const double heading = std::atan2(chord.y(), chord.x());
     const Eigen::Vector2d left(-std::sin(heading), std::cos(heading));
     const Eigen::Vector2d position =
-        PointOnPath(scene.path, at) + Clipped(options.lateral_sigma, &random) * left;
+        PointOnPath(path, at) + Clipped(options.lateral_sigma, &random) * left;
     const double turned = heading + Clipped(options.heading_sigma, &random);
     const Rigid3 world_from_ground = StandOnGround(scene, caster, position, turned);
     const Eigen::Vector3d mount(0.0, 0.0, options.mount_height);

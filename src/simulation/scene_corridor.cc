@@ -22,8 +22,9 @@ Scene BuildCorridor(Random* random, double max_range) {
   prism(left - width, left, height - depth, height);
   Scene scene;
   scene.mesh = builder.mesh();
-  scene.path = {{0.0, 0.1}, {drive, -0.1}};
-  scene.scans = 8;
+  scene.drives = {{"robot1", {{0.0, 0.1}, {drive, -0.1}}, 8}};
+  scene.area_low = {0.0, -6.0};
+  scene.area_high = {drive, 6.0};
   return scene;
 }
 

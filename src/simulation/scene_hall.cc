@@ -166,9 +166,10 @@ Scene BuildHall(Random* random) {
   AddFlatRoof(&builder, Rigid3(), shell, 0.5, 0.3);
   AddRooms(&builder, plan);
   Scene scene;
-  scene.path = Loop(plan);
-  scene.scans = 16;
-  Layout layout(scene.path, 0.9);
+  scene.drives = {{"robot1", Loop(plan), 16}};
+  scene.area_low = {-5.0, -5.0};
+  scene.area_high = plan.size + Vector2d(5.0, 5.0);
+  Layout layout(scene.drives[0].path, 0.9);
   AddColumnsAndBeams(&builder, plan, &layout, random);
   AddFurniture(&builder, plan, &layout, random);
   AddCupboards(&builder, plan, random);

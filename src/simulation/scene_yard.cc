@@ -43,9 +43,12 @@ YardPlan DrawPlan(Random* random) {
   plan.hall_floor = plan.terrain.MaxHeight(plan.hall_low, plan.hall_low + plan.hall_size) + 0.03;
   plan.gate = random->Uniform(-1.0, 1.0);
   const auto bend = [&] { return random->Uniform(-0.8, 0.8); };
-  plan.path = {
-      {-3.0 + bend(), -15.0}, {2.5 + bend(), -9.0}, {-2.0 + bend(), -2.0},           {bend(), 5.0},
-      {plan.gate, 10.5},      {plan.gate, 15.5},    {plan.gate + 2.0 + bend(), 20.0}};
+  plan.path = {{-3.0 + bend(), -15.0}, {2.5 + bend(), -9.0}, {-2.0 + bend(), -2.0},
+               {bend(), 5.0},          {plan.gate, 10.5},    {plan.gate, 15.5}};
+  // Deep into the hall, but not to its far wall.
+  const double deep = plan.hall_low.y() + plan.hall_size.y() - 3.0;
+  plan.path.emplace_back(plan.gate + 2.0 + bend(), deep - 3.5);
+  plan.path.emplace_back(plan.gate - 1.0 + bend(), deep);
   return plan;
 }
 
@@ -184,9 +187,10 @@ Scene BuildYard(Random* random) {
   FurnishGateHall(&builder, plan, &layout, random);
   Scene scene;
   scene.mesh = builder.mesh();
-  scene.path = plan.path;
+  scene.drives = {{"robot1", plan.path, 9}};
   scene.probe_height = 3.0;
-  scene.scans = 8;
+  scene.area_low = {-23.0, -28.0};
+  scene.area_high = {23.0, 30.0};
   return scene;
 }
 

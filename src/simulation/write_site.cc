@@ -22,8 +22,8 @@ void RemoveLeftOvers(const std::string& folder, std::size_t count) {
   for (std::size_t k = count; std::filesystem::remove(folder + "/" + ScanName(k), ignored);) ++k;
 }
 
-void WriteScans(const std::string& folder, const std::vector<LabelledScan>& scans) {
-  const std::string clouds = folder + "/scans", labels = folder + "/truth/labels";
+void WriteScans(const std::string& clouds, const std::string& labels,
+                const std::vector<LabelledScan>& scans) {
   CreateFolder(clouds);
   CreateFolder(labels);
   for (std::size_t k = 0; k < scans.size(); ++k) {
@@ -46,24 +46,78 @@ std::string PlanesAsJson(const std::vector<Plane>& planes) {
   return nlohmann::json{{"planes", list}}.dump(1) + "\n";
 }
 
-std::string SiteFile(const std::string& name) {
-  return "name: " + name +
-         "\n"
-         "robots:\n"
-         "  - name: robot1\n"
-         "    scans: scans/scan*.ply\n"
-         "    odometry: odometry.tum\n"
-         "    reference: truth.tum   # for evaluation alone\n";
+// A single robot needs no folder of its own.
+std::string RobotFolder(const SimulatedSite& site, const SimulatedRobot& robot) {
+  return site.robots.size() > 1 ? robot.name + "/" : "";
+}
+
+std::string StartText(const Rigid3& start) {
+  char text[256];
+  std::snprintf(text, sizeof(text),
+                "    start: {translation: [%.3f, %.3f, %.3f], rotation: [0, 0, %.5f, %.5f], "
+                "sigma_translation: 1.0, sigma_rotation_deg: 10}\n",
+                start.translation.x(), start.translation.y(), start.translation.z(),
+                start.rotation.z(), start.rotation.w());
+  return text;
+}
+
+std::string RobotText(const SimulatedRobot& robot, const std::string& folder, bool with_start) {
+  return "  - name: " + robot.name + "\n    scans: " + folder +
+         "scans/scan*.ply\n    odometry: " + folder + "odometry.tum\n" +
+         (with_start && robot.start ? StartText(*robot.start) : "") + "    reference: " + folder +
+         "truth.tum   # for evaluation alone\n";
+}
+
+std::string OriginText(const GeodeticPosition& origin) {
+  char text[128];
+  std::snprintf(text, sizeof(text), "origin: {lat: %.9f, lon: %.9f, alt: %.3f}\n", origin.latitude,
+                origin.longitude, origin.altitude);
+  return text;
+}
+
+std::string SiteFile(const SimulatedSite& site, bool with_drone, bool with_start) {
+  std::string text = "name: " + site.name + "\n";
+  if (with_drone) text += OriginText(site.drone->origin);
+  text += "robots:\n";
+  for (const SimulatedRobot& robot : site.robots) {
+    text += RobotText(robot, RobotFolder(site, robot), with_start);
+  }
+  if (!with_drone) return text;
+  return text +
+         "maps:\n"
+         "  - name: uav1\n"
+         "    cloud: uav/cloud.ply\n"
+         "    cameras: uav/synth_0.out\n"
+         "    gps: uav/gps.csv\n"
+         "    image_times: uav/images.csv\n";
+}
+
+void WriteSiteFiles(const std::string& folder, const SimulatedSite& site) {
+  const std::string no_start = folder + "/site_nostart.yaml";
+  const std::string laser_only = folder + "/site_laser_only.yaml";
+  WriteTextFile(folder + "/site.yaml", SiteFile(site, site.drone.has_value(), true));
+  if (site.drone) {
+    WriteTextFile(no_start, SiteFile(site, true, false));
+    WriteTextFile(laser_only, SiteFile(site, false, false));
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(no_start, ignored);
+  std::filesystem::remove(laser_only, ignored);
 }
 
 }  // namespace
 
 void WriteSite(const std::string& folder, const SimulatedSite& site) {
-  WriteScans(folder, site.scans);
-  WriteTum(folder + "/odometry.tum", {site.times, site.odometry});
-  WriteTum(folder + "/truth.tum", {site.times, site.truth});
+  for (const SimulatedRobot& robot : site.robots) {
+    const std::string own = RobotFolder(site, robot);
+    WriteScans(folder + "/" + own + "scans", folder + "/truth/labels/" + own, robot.scans);
+    WriteTum(folder + "/" + own + "odometry.tum", {robot.times, robot.odometry});
+    WriteTum(folder + "/" + own + "truth.tum", {robot.times, robot.truth});
+  }
   WriteTextFile(folder + "/truth/planes.json", PlanesAsJson(site.planes));
-  WriteTextFile(folder + "/site.yaml", SiteFile(site.name));
+  if (site.drone) WriteDrone(folder, *site.drone);
+  WriteSiteFiles(folder, site);
 }
 
 }  // namespace planegraph

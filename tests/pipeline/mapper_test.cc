@@ -45,7 +45,7 @@ TEST_F(MapSmallSite, YardComesOutAsItIs) {
   EXPECT_TRUE(result.solution.summary.usable);
   EXPECT_LT(AteOf(result.solution.world_from_scan, TruthFromFirst(yard)), 0.005);
   // The odometry is far worse, so that this says something.
-  EXPECT_GT(AteOf(yard.odometry, TruthFromFirst(yard)), 0.02);
+  EXPECT_GT(AteOf(yard.robots[0].odometry, TruthFromFirst(yard)), 0.02);
 }
 
 TEST_F(MapSmallSite, WithoutOdometryScansAreRegisteredWithoutAGuess) {
@@ -62,10 +62,10 @@ TEST_F(MapSmallSite, AStartPoseIsTheWorld) {
   const SimulatedSite hall = SmallSite(SceneKind::kHall, 2, 16);
   Site site = WriteAndRead(hall);
   StartPose start;
-  start.world_from_scan = hall.truth.front();
+  start.world_from_scan = hall.robots[0].truth.front();
   site.robots[0].start = start;
   const MapResult result = MapScans(site, TwoThreads());
-  EXPECT_LT(LargestDistance(result.solution.world_from_scan, hall.truth), 0.01);
+  EXPECT_LT(LargestDistance(result.solution.world_from_scan, hall.robots[0].truth), 0.01);
 }
 
 TEST_F(MapSmallSite, TheCorridorsDirectionIsHeldByTheOdometry) {
@@ -74,7 +74,7 @@ TEST_F(MapSmallSite, TheCorridorsDirectionIsHeldByTheOdometry) {
   EXPECT_EQ(result.components, 1);
   // The corridor runs along the simulation's x axis; the map's world is the first scan.
   const Eigen::Vector3d along =
-      corridor.truth.front().rotation.conjugate() * Eigen::Vector3d::UnitX();
+      corridor.robots[0].truth.front().rotation.conjugate() * Eigen::Vector3d::UnitX();
   ASSERT_EQ(result.unobserved.size(), 4u);
   for (std::size_t i = 1; i < 4; ++i) {  // the first scan is the world
     SCOPED_TRACE(i);
@@ -88,7 +88,8 @@ TEST_F(MapSmallSite, TheCorridorsDirectionIsHeldByTheOdometry) {
     EXPECT_LT(std::sqrt(across.col(0).dot(covariance * across.col(0))), 0.02);
     EXPECT_LT(std::sqrt(across.col(1).dot(covariance * across.col(1))), 0.02);
     // The position along it is the odometry's, not what noise adds up to.
-    const Rigid3 step = corridor.odometry[i - 1].Inverse() * corridor.odometry[i];
+    const Rigid3 step =
+        corridor.robots[0].odometry[i - 1].Inverse() * corridor.robots[0].odometry[i];
     const Rigid3 found =
         result.solution.world_from_scan[i - 1].Inverse() * result.solution.world_from_scan[i];
     EXPECT_NEAR(found.translation.norm(), step.translation.norm(), 0.03);
@@ -97,7 +98,7 @@ TEST_F(MapSmallSite, TheCorridorsDirectionIsHeldByTheOdometry) {
 
 TEST_F(MapSmallSite, AnUnrelatedScanIsAComponentOfItsOwn) {
   SimulatedSite mixed = SmallSite(SceneKind::kYard, 3, 10);
-  mixed.scans[2] = SmallSite(SceneKind::kHall, 1, 16, 5).scans[0];
+  mixed.robots[0].scans[2] = SmallSite(SceneKind::kHall, 1, 16, 5).robots[0].scans[0];
   const MapResult result = MapScans(WriteAndRead(mixed), TwoThreads());
   EXPECT_EQ(result.components, 2);
   EXPECT_THAT(result.component, ::testing::ElementsAre(0, 0, 1));

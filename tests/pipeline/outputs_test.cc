@@ -61,7 +61,7 @@ TEST_F(Outputs, TrajectoriesAgree) {
   ASSERT_EQ(tum.size(), 3u);
   ASSERT_EQ(frames.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(tum.times[i], hall.times[i]);
+    EXPECT_EQ(tum.times[i], hall.robots[0].times[i]);
     EXPECT_EQ(tum.poses[i].translation, result.solution.world_from_scan[i].translation);
     EXPECT_LT((frames.poses[i].translation - tum.poses[i].translation).norm(), 1e-9);
     EXPECT_LT(AngleBetween(frames.poses[i].rotation, tum.poses[i].rotation), 1e-9);
@@ -111,7 +111,7 @@ TEST_F(Outputs, TheMapHoldsTheScansUnderTheirPoses) {
   const Cloud map = ReadCloud(Path("out/map.ply"));
   std::size_t k = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Cloud scan = RangeFilter(hall.scans[i].cloud, 0.5, INFINITY);
+    const Cloud scan = RangeFilter(hall.robots[0].scans[i].cloud, 0.5, INFINITY);
     for (const std::uint32_t p : FirstOfEachVoxel(scan, 0.05)) {
       ASSERT_LT(k, map.size());
       const Eigen::Vector3d expected = result.solution.world_from_scan[i] * scan.Position(p);

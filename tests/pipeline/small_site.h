@@ -21,15 +21,17 @@ inline SimulatedSite SmallSite(SceneKind kind, int scans, int of, std::uint64_t 
   SimulatedSite site;
   site.name = SceneName(kind);
   site.planes = scene.mesh.planes;
-  site.truth = DrivePath(scene, caster, of, {}, seed);
-  site.truth.resize(scans);
+  SimulatedRobot& robot = site.robots.emplace_back();
+  robot.name = "robot1";
+  robot.truth = DrivePath(scene, caster, of, {}, seed);
+  robot.truth.resize(scans);
   for (int i = 0; i < scans; ++i) {
     Random noise(seed, static_cast<std::uint64_t>(i + 1));
-    site.scans.push_back(Scan(caster, site.truth[i], scanner, &noise));
-    site.times.push_back(10.0 * i);
+    robot.scans.push_back(Scan(caster, robot.truth[i], scanner, &noise));
+    robot.times.push_back(10.0 * i);
   }
   Random drift(seed, 1000);
-  site.odometry = SimulateOdometry(site.truth, {}, &drift);
+  robot.odometry = SimulateOdometry(robot.truth, {}, &drift);
   return site;
 }
 
@@ -43,7 +45,8 @@ inline MapOptions TwoThreads(const std::string& optimizer = "graph") {
 /// The true poses in the frame of the first scan, which is the world of `planegraph map`.
 inline std::vector<Rigid3> TruthFromFirst(const SimulatedSite& site) {
   std::vector<Rigid3> poses;
-  for (const Rigid3& pose : site.truth) poses.push_back(site.truth.front().Inverse() * pose);
+  const std::vector<Rigid3>& truth = site.robots.front().truth;
+  for (const Rigid3& pose : truth) poses.push_back(truth.front().Inverse() * pose);
   return poses;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "planegraph/base/error.h"
@@ -16,8 +17,18 @@ class SceneTest : public testing::TestWithParam<std::tuple<SceneKind, int>> {
   static constexpr double kMaxRange = 35.0;
   Scene scene_ = BuildScene(std::get<0>(GetParam()), std::get<1>(GetParam()), kMaxRange);
   RayCaster caster_{scene_.mesh};
-  std::vector<Rigid3> poses_ =
-      DrivePath(scene_, caster_, scene_.scans, PoseOptions(), std::get<1>(GetParam()));
+  std::vector<Rigid3> poses_ = AllPoses();
+
+ private:
+  std::vector<Rigid3> AllPoses() const {
+    std::vector<Rigid3> all;
+    for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
+      const auto poses = DrivePath(scene_, caster_, scene_.drives[k].scans, PoseOptions(),
+                                   std::get<1>(GetParam()), k);
+      all.insert(all.end(), poses.begin(), poses.end());
+    }
+    return all;
+  }
 };
 
 TEST_P(SceneTest, FacesLieOnTheirPlanes) {
@@ -74,7 +85,7 @@ std::string ParameterName(const testing::TestParamInfo<SceneTest::ParamType>& in
 
 INSTANTIATE_TEST_SUITE_P(AllScenes, SceneTest,
                          testing::Combine(testing::Values(SceneKind::kHall, SceneKind::kCorridor,
-                                                          SceneKind::kYard),
+                                                          SceneKind::kYard, SceneKind::kQuarter),
                                           testing::Range(0, 8)),
                          ParameterName);
 
@@ -104,8 +115,89 @@ TEST(CorridorTest, NothingInRangeTellsWhereAlongItAScanWasTaken) {
   }
 }
 
+TEST_P(SceneTest, TheDronesAreaHoldsTheDrives) {
+  for (const Rigid3& pose : poses_) {
+    const Eigen::Vector2d at = pose.translation.head<2>();
+    EXPECT_TRUE((at.array() > scene_.area_low.array() - 0.5).all()) << at.transpose();
+    EXPECT_TRUE((at.array() < scene_.area_high.array() + 0.5).all()) << at.transpose();
+  }
+}
+
+TEST(YardTest, TheLastScansStandDeepInTheHall) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Scene scene = BuildScene(SceneKind::kYard, seed, 35.0);
+    const RayCaster caster(scene.mesh);
+    const auto poses = DrivePath(scene, caster, scene.drives[0].scans, PoseOptions(), seed);
+    const auto under_roof = [&](const Rigid3& pose) {
+      return caster.Cast(pose.translation, Eigen::Vector3d::UnitZ(), 20.0).has_value();
+    };
+    EXPECT_FALSE(under_roof(poses[0]) || under_roof(poses[3]));
+    EXPECT_TRUE(under_roof(poses.back()) && under_roof(poses[poses.size() - 2]));
+    EXPECT_GT(poses.back().translation.y(), 13.0 + 8.0) << "the gate is at 13 m";
+  }
+}
+
+class QuarterTest : public testing::TestWithParam<int> {
+ protected:
+  std::vector<Rigid3> Poses(std::size_t drive) const {
+    return DrivePath(scene_, caster_, scene_.drives[drive].scans, PoseOptions(), GetParam(), drive);
+  }
+  bool Visible(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+    const double distance = (to - from).norm();
+    const auto hit = caster_.Cast(from, (to - from) / distance, distance);
+    return !hit || hit->distance > distance - 1e-3;
+  }
+  // The planes, but those of ground and roofs, that a robot's scans show with many points.
+  std::map<int, int> Walls(std::size_t drive) const {
+    std::map<int, int> points;
+    ScannerOptions options = ScannerOptions().WithoutNoise();
+    options.beams = 271;
+    options.sweeps = 60;
+    for (const Rigid3& pose : Poses(drive)) {
+      Random random(0);
+      for (const int label : Scan(caster_, pose, options, &random).labels) {
+        if (label != kNotPlanar && std::abs(scene_.mesh.planes[label].normal.z()) < 0.5) {
+          ++points[label];
+        }
+      }
+    }
+    return points;
+  }
+
+  Scene scene_ = BuildScene(SceneKind::kQuarter, GetParam(), 35.0);
+  RayCaster caster_{scene_.mesh};
+};
+
+TEST_P(QuarterTest, NoRobotSeesTheStartOfTheOther) {
+  ASSERT_EQ(scene_.drives.size(), 2u);
+  for (const std::size_t k : {0, 1}) {
+    const Eigen::Vector3d start = Poses(1 - k).front().translation;
+    for (const Rigid3& pose : Poses(k)) {
+      EXPECT_FALSE(Visible(pose.translation, start)) << pose.translation.transpose();
+    }
+  }
+}
+
+TEST_P(QuarterTest, RobotsShareLittleOfTheWalls) {
+  const auto first = Walls(0), second = Walls(1);
+  int shared = 0, all = 0;
+  for (const auto& [label, points] : second) {
+    all += points;
+    if (first.count(label)) shared += std::min(points, first.at(label));
+  }
+  EXPECT_LT(shared, 0.15 * all);
+}
+
+TEST_P(QuarterTest, OneRobotEndsUnderARoof) {
+  const Eigen::Vector3d last = Poses(1).back().translation;
+  EXPECT_TRUE(caster_.Cast(last, Eigen::Vector3d::UnitZ(), 20.0).has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, QuarterTest, testing::Range(0, 8));
+
 TEST(SceneNameTest, RoundTripAndUnknownName) {
-  for (const auto kind : {SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard}) {
+  for (const auto kind :
+       {SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard, SceneKind::kQuarter}) {
     EXPECT_EQ(ParseSceneKind(SceneName(kind)), kind);
   }
   EXPECT_THROW(ParseSceneKind("cellar"), UsageError);

@@ -21,6 +21,7 @@ SimulationOptions SmallOptions(SceneKind scene, std::uint64_t seed = 5) {
   options.scans = 3;
   options.scanner.beams = 136;
   options.scanner.sweeps = 45;
+  options.drone_mode = DroneMode::kOff;
   return options;
 }
 
@@ -52,15 +53,16 @@ TEST_P(SimulationTest, NoiseFreePointsLieOnTheirPlanesUnderTheTruePoses) {
   SimulationOptions options = SmallOptions(GetParam());
   options.scanner = options.scanner.WithoutNoise();
   const SimulatedSite site = Simulate(options);
-  ASSERT_EQ(site.scans.size(), 3u);
-  for (std::size_t k = 0; k < site.scans.size(); ++k) {
-    const LabelledScan& scan = site.scans[k];
+  const SimulatedRobot& robot = site.robots.back();
+  ASSERT_EQ(robot.scans.size(), 3u);
+  for (std::size_t k = 0; k < robot.scans.size(); ++k) {
+    const LabelledScan& scan = robot.scans[k];
     ASSERT_EQ(scan.labels.size(), scan.cloud.size());
     std::size_t planar = 0;
     for (std::size_t i = 0; i < scan.labels.size(); ++i) {
       if (scan.labels[i] == kNotPlanar) continue;
       ++planar;
-      const Eigen::Vector3d point = site.truth[k] * scan.cloud.Position(i);
+      const Eigen::Vector3d point = robot.truth[k] * scan.cloud.Position(i);
       ASSERT_NEAR(site.planes.at(scan.labels[i]).SignedDistance(point), 0.0, 1e-4);
     }
     EXPECT_GT(planar, scan.labels.size() / 2);
@@ -68,16 +70,18 @@ TEST_P(SimulationTest, NoiseFreePointsLieOnTheirPlanesUnderTheTruePoses) {
 }
 
 TEST_P(SimulationTest, EachScanHasAPoseATimeAndOdometry) {
-  const SimulatedSite site = Simulate(SmallOptions(GetParam()));
-  ASSERT_EQ(site.truth.size(), site.scans.size());
-  ASSERT_EQ(site.times.size(), site.scans.size());
-  ASSERT_EQ(site.odometry.size(), site.scans.size());
-  EXPECT_EQ(site.odometry[0].Matrix(), Eigen::Matrix4d::Identity());
-  for (std::size_t k = 1; k < site.times.size(); ++k) {
-    EXPECT_GT(site.times[k], site.times[k - 1]);
-    const Rigid3 error = site.odometry[k].Inverse() * (site.truth[0].Inverse() * site.truth[k]);
-    EXPECT_GT(error.translation.norm(), 1e-3) << "odometry drifts";
-    EXPECT_LT(error.translation.norm(), 3.0) << "but is of use";
+  for (const SimulatedRobot& robot : Simulate(SmallOptions(GetParam())).robots) {
+    ASSERT_EQ(robot.truth.size(), robot.scans.size());
+    ASSERT_EQ(robot.times.size(), robot.scans.size());
+    ASSERT_EQ(robot.odometry.size(), robot.scans.size());
+    EXPECT_EQ(robot.odometry[0].Matrix(), Eigen::Matrix4d::Identity());
+    for (std::size_t k = 1; k < robot.times.size(); ++k) {
+      EXPECT_GT(robot.times[k], robot.times[k - 1]);
+      const Rigid3 error =
+          robot.odometry[k].Inverse() * (robot.truth[0].Inverse() * robot.truth[k]);
+      EXPECT_GT(error.translation.norm(), 1e-3) << "odometry drifts";
+      EXPECT_LT(error.translation.norm(), 3.0) << "but is of use";
+    }
   }
 }
 
@@ -91,7 +95,8 @@ TEST_P(SimulationTest, EqualSeedsGiveEqualBytesForAnyThreads) {
   options.seed += 1;
   WriteSite(third / "", Simulate(options));
   const auto contents = first.Contents();
-  EXPECT_EQ(contents.size(), 3u + 3u + 4u);
+  const std::size_t robots = GetParam() == SceneKind::kQuarter ? 2 : 1;
+  EXPECT_EQ(contents.size(), robots * (3u + 3u + 2u) + 2u);
   EXPECT_TRUE(contents == second.Contents());
   for (const auto& [name, bytes] : third.Contents()) {
     ASSERT_TRUE(contents.count(name)) << name;
@@ -100,29 +105,31 @@ TEST_P(SimulationTest, EqualSeedsGiveEqualBytesForAnyThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllScenes, SimulationTest,
-                         testing::Values(SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard),
+                         testing::Values(SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard,
+                                         SceneKind::kQuarter),
                          [](const auto& scene) { return SceneName(scene.param); });
 
 TEST(WriteSiteTest, FilesHoldWhatWasSimulated) {
   const SimulatedSite site = Simulate(SmallOptions(SceneKind::kYard));
+  const SimulatedRobot& robot = site.robots.at(0);
   Folder folder;
   WriteSite(folder / "site", site);
-  for (std::size_t k = 0; k < site.scans.size(); ++k) {
+  for (std::size_t k = 0; k < robot.scans.size(); ++k) {
     const std::string name = "scan00" + std::to_string(k) + ".ply";
-    EXPECT_EQ(ReadCloud(folder / ("site/scans/" + name)).points, site.scans[k].cloud.points);
+    EXPECT_EQ(ReadCloud(folder / ("site/scans/" + name)).points, robot.scans[k].cloud.points);
     const std::string labelled = folder / ("site/truth/labels/" + name);
-    EXPECT_EQ(ReadCloud(labelled).points, site.scans[k].cloud.points);
+    EXPECT_EQ(ReadCloud(labelled).points, robot.scans[k].cloud.points);
     EXPECT_NE(ReadTextFile(labelled).find("property int plane\n"), std::string::npos);
     EXPECT_EQ(ReadTextFile(folder / ("site/scans/" + name)).find("property int"),
               std::string::npos);
   }
   const Trajectory truth = ReadTrajectory(folder / "site/truth.tum");
   const Trajectory odometry = ReadTrajectory(folder / "site/odometry.tum");
-  EXPECT_EQ(truth.times, site.times);
-  EXPECT_EQ(odometry.times, site.times);
-  for (std::size_t k = 0; k < site.truth.size(); ++k) {
-    EXPECT_EQ(truth.poses[k].translation, site.truth[k].translation);
-    EXPECT_EQ(odometry.poses[k].translation, site.odometry[k].translation);
+  EXPECT_EQ(truth.times, robot.times);
+  EXPECT_EQ(odometry.times, robot.times);
+  for (std::size_t k = 0; k < robot.truth.size(); ++k) {
+    EXPECT_EQ(truth.poses[k].translation, robot.truth[k].translation);
+    EXPECT_EQ(odometry.poses[k].translation, robot.odometry[k].translation);
   }
 }
 
@@ -134,6 +141,37 @@ TEST(WriteSiteTest, RemovesScansOfALongerRun) {
   options.scans = 2;
   WriteSite(folder / "", Simulate(options));
   EXPECT_EQ(folder.Contents().size(), 2u + 2u + 4u);
+}
+
+TEST(WriteSiteTest, RobotsHaveFoldersOfTheirOwn) {
+  const SimulatedSite site = Simulate(SmallOptions(SceneKind::kQuarter));
+  Folder folder;
+  WriteSite(folder / "", site);
+  for (const SimulatedRobot& robot : site.robots) {
+    const std::string own = folder / (robot.name + "/");
+    EXPECT_EQ(ReadCloud(own + "scans/scan002.ply").points, robot.scans[2].cloud.points);
+    EXPECT_EQ(ReadTrajectory(own + "truth.tum").times, robot.times);
+    EXPECT_EQ(ReadTrajectory(own + "odometry.tum").times, robot.times);
+    EXPECT_EQ(ReadCloud(folder / ("truth/labels/" + robot.name + "/scan000.ply")).points,
+              robot.scans[0].cloud.points);
+  }
+}
+
+TEST(DroneModeTest, AutoIsForScenesOutOfDoors) {
+  EXPECT_EQ(ParseDroneMode("auto"), DroneMode::kAuto);
+  EXPECT_EQ(ParseDroneMode("on"), DroneMode::kOn);
+  EXPECT_EQ(ParseDroneMode("off"), DroneMode::kOff);
+  EXPECT_THROW(ParseDroneMode("maybe"), UsageError);
+  for (const auto kind :
+       {SceneKind::kHall, SceneKind::kCorridor, SceneKind::kYard, SceneKind::kQuarter}) {
+    SimulationOptions options = SmallOptions(kind);
+    options.drone_mode = DroneMode::kAuto;
+    options.drone.photogrammetry.pixel_step = 80;
+    const bool outside = kind == SceneKind::kYard || kind == SceneKind::kQuarter;
+    const SimulatedSite site = Simulate(options);
+    EXPECT_EQ(site.drone.has_value(), outside);
+    EXPECT_EQ(site.robots[0].start.has_value(), outside);
+  }
 }
 
 TEST(SimulateTest, RefusesOptionsWithoutSense) {

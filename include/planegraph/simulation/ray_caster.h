@@ -20,6 +20,7 @@ class RayCaster {
     double distance = 0.0;  ///< metres along the ray
     double cosine = 0.0;    ///< of the incidence angle, in [0, 1]
     int label = kNotPlanar;
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the surface, towards the origin
   };
   /// The first hit within `max_distance`; `direction` has unit length.
   std::optional<Hit> Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,

@@ -15,19 +15,28 @@ namespace planegraph {
 enum class SceneKind {
   kHall,      ///< a large hall with columns, machines and adjoining rooms; a closed loop
   kCorridor,  ///< straight along x and without any feature along it; ends out of the range
-  kYard       ///< buildings around sloping ground, and a hall that the robot drives into
+  kYard,      ///< buildings around sloping ground, and a hall that the robot drives into
+  kQuarter    ///< a town quarter with two streets, each the drive of a robot of its own
 };
 
-/// "hall", "corridor" or "yard". Throws UsageError for other names.
+/// "hall", "corridor", "yard" or "quarter". Throws UsageError for other names.
 SceneKind ParseSceneKind(const std::string& name);
 std::string SceneName(SceneKind kind);
 
-/// What there is to be scanned, and where the robot drives. World frame, z up, metres.
+/// The way of one robot.
+struct Drive {
+  std::string robot = "robot1";
+  std::vector<Eigen::Vector2d> path;  ///< corners, metres
+  int scans = 8;                      ///< how many scans suit it
+};
+
+/// What there is to be scanned, and where robots drive. World frame, z up, metres.
 struct Scene {
   LabelledMesh mesh;
-  std::vector<Eigen::Vector2d> path;  ///< corners of the drive
-  double probe_height = 2.0;  ///< above everything the robot drives on, below every roof over it
-  int scans = 8;              ///< how many scans suit the drive
+  std::vector<Drive> drives;  ///< at least one
+  double probe_height = 2.0;  ///< above everything a robot drives on, below every roof over it
+  /// Two corners of the ground plan of what matters, for a drone to fly over.
+  Eigen::Vector2d area_low = Eigen::Vector2d::Zero(), area_high = Eigen::Vector2d::Zero();
 };
 
 /// The scene of a seed: sizes and furniture vary with it. `max_range` (metres) is the sensor's, for
@@ -44,9 +53,11 @@ struct PoseOptions {
   double strong_tilt_share = 0.2;  ///< share of such scans
 };
 
-/// `count` scanner poses (world_from_scan), evenly spread over the scene's path, standing on the
-/// ground that `caster` finds. Throws NoResultError where there is no ground.
+/// `count` scanner poses (world_from_scan), evenly spread over the path of the scene's drive
+/// `drive`, standing on the ground that `caster` finds. Throws NoResultError where there is no
+/// ground.
 std::vector<Rigid3> DrivePath(const Scene& scene, const RayCaster& caster, int count,
-                              const PoseOptions& options, std::uint64_t seed);
+                              const PoseOptions& options, std::uint64_t seed,
+                              std::size_t drive = 0);
 
 }  // namespace planegraph
