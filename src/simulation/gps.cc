@@ -51,7 +51,7 @@ SimulatedGps SimulateGps(const Flight& flight, const GpsOptions& options, Random
     const Vector3d jump = Normals(Vector3d::Constant(options.outlier_size), random);
     if (outlier) error += jump;
     track.times.push_back(time);
-    track.positions.push_back(PositionAt(flight, time) + error);
+    track.positions.emplace_back(PositionAt(flight, time) + error);
   }
   return track;
 }

@@ -93,9 +93,9 @@ std::vector<bool> DrawRegistered(std::size_t count, double unregistered_share, R
 
 void AddPoint(const DepthPoint& point, const Bowl& bowl, const Sim3& map_from_world,
               PhotogrammetryModel* model) {
-  model->cloud.points.push_back((map_from_world * bowl.Bend(point.position)).cast<float>());
+  model->cloud.points.emplace_back((map_from_world * bowl.Bend(point.position)).cast<float>());
   const Vector3d normal = map_from_world.rotation * (bowl.Turn(point.position) * point.normal);
-  model->cloud.normals.push_back(normal.cast<float>());
+  model->cloud.normals.emplace_back(normal.cast<float>());
   model->cloud.colors.push_back(point.color);
   model->labels.push_back(point.label);
   model->views.push_back(point.view);

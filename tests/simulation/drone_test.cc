@@ -62,6 +62,11 @@ Vector3d LocalFromGeodetic(double latitude, double longitude, double altitude) {
 
 class DroneFiles : public TestFolder {
  protected:
+  // One flight for all tests.
+  static const SimulatedSite& Site() {
+    static const SimulatedSite site = Fly();
+    return site;
+  }
   static SimulatedSite Fly() {
     SimulationOptions options;
     options.seed = 4;
@@ -75,7 +80,7 @@ class DroneFiles : public TestFolder {
   DroneFiles() { WriteSite(Path("site"), site_); }
   std::string File(const std::string& name) const { return Path("site/" + name); }
 
-  SimulatedSite site_ = Fly();
+  const SimulatedSite& site_ = Site();
   const SimulatedDrone& drone_ = *site_.drone;
 };
 
