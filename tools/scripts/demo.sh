@@ -13,8 +13,8 @@ build release planegraph_tool
 step "Simulating the site"
 "$planegraph" simulate --scene=yard --output_dir="$out/site"
 step "Mapping it"
-# The scans alone: this version does not join the drone's map yet.
-"$planegraph" map "$out/site/site_laser_only.yaml" --output_dir="$out/result"
+
+"$planegraph" map "$out/site/site.yaml" --output_dir="$out/result"
 step "Done"
 echo "report: $out/result/report.html"
 echo "map:    $out/result/map.ply"
