@@ -11,14 +11,15 @@ namespace planegraph {
 /// What speaks for a place in the map and what against it.
 struct MapEvidence {
   /// Share of the scans' surfaces (all directions alike) that lie on a surface of the map which
-  /// faces the same way; mean over the scans.
+  /// faces the same way; mean over the better half of the scans: a group may go on where the map
+  /// does not.
   double agree = 0.0;
   /// The same in the direction of translation in which it is worst.
   double worst_direction = 0.0;
   /// Of the map's surfaces about the scans whose place the laser has seen, the share that it looked
   /// through.
   double pierced = 0.0;
-  std::vector<double> agree_by_scan;
+  std::vector<double> agree_by_scan;  ///< of every scan
 
   /// In [0, 1]. A wrong pose easily has the ground right, so that the worst direction counts as much
   /// as the mean.
