@@ -22,27 +22,6 @@ DECLARE_string(map_scale);
 namespace planegraph::tools {
 namespace {
 
-struct ScaleOfMap {
-  double scale = 1.0, sigma = 0.0;  // metres per unit; relative
-};
-
-// A scale that is only stated is taken to be good to two percent.
-ScaleOfMap ParseMapScale(const std::string& text) {
-  constexpr double kStatedSigma = 0.02;
-  if (text.empty()) return {1.0, kStatedSigma};
-  const std::size_t colon = text.find(':');
-  const std::vector<double> scale = ParseNumbers("map_scale", text.substr(0, colon));
-  if (scale.size() != 1 || !(scale[0] > 0.0)) {
-    throw UsageError("--map_scale takes S or S:SIGMA, greater than zero");
-  }
-  if (colon == std::string::npos) return {scale[0], kStatedSigma};
-  const std::vector<double> sigma = ParseNumbers("map_scale", text.substr(colon + 1));
-  if (sigma.size() != 1 || !(sigma[0] > 0.0) || sigma[0] >= scale[0]) {
-    throw UsageError("--map_scale=S:SIGMA: SIGMA is in metres per unit, between 0 and S");
-  }
-  return {scale[0], sigma[0] / scale[0]};
-}
-
 void CheckFlags(const std::string& method) {
   RequireFlag("map");
   if (method != "vote" && method != "cells") {

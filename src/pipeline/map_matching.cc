@@ -219,16 +219,10 @@ void Placer::Run(std::vector<MapPairRecord>* records) {
   }
 }
 
-std::size_t CountPlanes(const ScanModel& scan, const MapRefinement& refinement,
-                        const ScanGroup& group, const MapModel& map) {
+// Planes of the scan that have a counterpart in the map.
+std::size_t CountPlanes(const std::vector<PlanePair>& pairs) {
   std::set<std::int32_t> planes;
-  const Eigen::Matrix3d rotation = refinement.map_from_group.rotation.toRotationMatrix();
-  for (const GroupSample& s : SamplesOf(group, scan.samples.size())) {
-    const std::int32_t plane = scan.map.surfels()[s.surfel].segment;
-    if (plane < 0 || planes.count(plane)) continue;
-    const Eigen::Vector3d place = refinement.map_from_group * s.mean;
-    if (map.surfaces().Find(place, rotation * s.normal, kMostOff, 0.94) >= 0) planes.insert(plane);
-  }
+  for (const PlanePair& pair : pairs) planes.insert(pair.source);
   return planes.size();
 }
 
@@ -266,7 +260,8 @@ MapPairRecord RegisterToMap(const ScanModel& scan, const MapModel& map,
   record.refinement = RefineInMap(map, group, metric_from_scan, options);
   const double gate = std::max(0.1, 5.0 * map.planes().noise.constant);
   record.evidence = MeasureEvidence(map, group, metric_from_scan, gate);
-  record.correspondences = CountPlanes(scan, record.refinement, group, map);
+  record.correspondences =
+      CountPlanes(MapCorrespondences(map, scan, record.refinement.map_from_group, gate));
   Decide(metric_from_scan, &record);
   record.seconds = Seconds(start);
   return record;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
@@ -266,6 +267,27 @@ MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group,
   }
   if (view.pierced > 0.0) evidence.pierced = view.pierced / (view.pierced + view.met);
   return evidence;
+}
+
+std::vector<PlanePair> MapCorrespondences(const MapModel& map, const ScanModel& scan,
+                                          const Sim3& map_from_scan, double gate) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> counts;
+  const Eigen::Matrix3d rotation = map_from_scan.rotation.toRotationMatrix();
+  for (const Surfel& surfel : scan.map.surfels()) {
+    if (surfel.segment < 0) continue;
+    const int found = map.surfaces().Find(map_from_scan * surfel.mean, rotation * surfel.normal,
+                                          gate, kLeastCosine);
+    if (found < 0) continue;
+    const std::int32_t segment = map.surfaces().surfels()[found].segment;
+    if (segment >= 0) counts[{segment, surfel.segment}]++;
+  }
+  std::vector<PlanePair> pairs;
+  for (const auto& [planes, count] : counts) {
+    if (count >= 2) pairs.push_back({planes.first, planes.second, count});
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const auto& a, const auto& b) { return a.surfels > b.surfels; });
+  return pairs;
 }
 
 MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,

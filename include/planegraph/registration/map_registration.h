@@ -59,6 +59,10 @@ struct MapLocation {
 MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group,
                             const Sim3& map_from_group, double gate);
 
+/// Planes of the map and of a scan that lie on each other, by the scan's samples, most first.
+std::vector<PlanePair> MapCorrespondences(const MapModel& map, const ScanModel& scan,
+                                          const Sim3& map_from_scan, double gate);
+
 /// Finds the group in the map: votes, a first look, refinement, evidence; compares different poses
 /// only, and says `ambiguous` rather than guess.
 MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
