@@ -26,6 +26,8 @@ std::uint64_t Mix(std::uint64_t key) {
   return key ^ (key >> 32);
 }
 
+std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
+
 // The cells that a surfel's square overlaps, as keys.
 void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
   keys->clear();
@@ -93,32 +95,33 @@ PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   std::vector<std::uint64_t> keys;
   for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
     CellsOf(surfels_[i], &keys);
-    for (const std::uint64_t key : keys) entries.push_back({key, i});
+    for (const std::uint64_t key : keys) entries.push_back({Mix(key), i});
   }
   std::uint64_t slots = 64;
   while (slots < entries.size()) slots *= 2;
   mask_ = slots - 1;
   starts_.assign(slots + 1, 0);
-  for (const auto& [key, i] : entries) ++starts_[(Mix(key) & mask_) + 1];
+  filled_.assign(slots / 64, 0);
+  for (const auto& [hash, i] : entries) ++starts_[(hash & mask_) + 1];
   for (std::uint64_t s = 0; s < slots; ++s) starts_[s + 1] += starts_[s];
   std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
   items_.resize(entries.size());
-  item_keys_.resize(entries.size());
-  for (const auto& [key, i] : entries) {
-    const std::uint32_t at = next[Mix(key) & mask_]++;
-    items_[at] = i;
-    item_keys_[at] = key;
+  for (const auto& [hash, i] : entries) {
+    const std::uint64_t slot = hash & mask_;
+    items_[next[slot]++] = {Tag(hash), i};
+    filled_[slot / 64] |= std::uint64_t{1} << slot % 64;
   }
 }
 
 int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& point,
                          const Eigen::Vector3d& normal, double gate, double least_cosine,
                          double* best) const {
-  const std::uint64_t key = Key(cell), slot = Mix(key) & mask_;
+  const std::uint64_t hash = Mix(Key(cell)), slot = hash & mask_;
   int found = -1;
+  if ((filled_[slot / 64] >> slot % 64 & 1) == 0) return found;
   for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
-    if (item_keys_[k] != key) continue;
-    const Surfel& s = surfels_[items_[k]];
+    if (items_[k].tag != Tag(hash)) continue;
+    const Surfel& s = surfels_[items_[k].surfel];
     if (s.normal.dot(normal) < least_cosine) continue;
     const Eigen::Vector3d d = point - s.mean;
     const double height = std::abs(s.normal.dot(d));
@@ -128,7 +131,7 @@ int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& poi
     if (along > reach * reach) continue;
     // Height first; among surfels of one surface the one that lies nearest in relation to its size.
     const double cost = height + 0.05 * std::sqrt(along) / reach;
-    if (cost < *best) *best = cost, found = static_cast<int>(items_[k]);
+    if (cost < *best) *best = cost, found = static_cast<int>(items_[k].surfel);
   }
   return found;
 }

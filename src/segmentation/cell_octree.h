@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,12 +47,18 @@ class CellOctree {
   const std::vector<Eigen::Vector3f>& sorted_points() const { return sorted_points_; }
   /// Index of the cell at the integer coordinates (at that level), -1 where it is empty.
   int Find(int level, const Eigen::Vector3i& coordinates) const;
+  /// Likewise by the cell's Morton code at that level.
+  int Find(int level, std::uint64_t key) const;
   /// Integer coordinates of a cell at its level.
   static Eigen::Vector3i Coordinates(std::uint64_t key);
 
  private:
+  // Most look-ups are for empty cells: the tag tells them apart without a look at the cell.
+  struct Slot {
+    std::uint32_t cell, tag;
+  };
   struct HashTable {
-    std::vector<std::uint32_t> slots;
+    std::vector<Slot> slots;
     std::uint64_t mask = 0;
   };
 
@@ -65,6 +72,20 @@ class CellOctree {
   std::vector<Eigen::Vector3f> sorted_points_;
   std::vector<std::vector<Cell>> levels_;
   std::vector<HashTable> tables_;
+};
+
+/// The Morton codes of a cell and of the 26 about it, without taking its coordinates apart. Not for
+/// cells at the border of the code's range; the octree's grid keeps off it.
+class NeighbourKeys {
+ public:
+  explicit NeighbourKeys(std::uint64_t key);
+  /// k in 0..26: x fastest, then y and z, each from -1 to 1; 13 is the cell itself.
+  std::uint64_t At(int k) const {
+    return parts_[0][k % 3] | parts_[1][k / 3 % 3] | parts_[2][k / 9];
+  }
+
+ private:
+  std::array<std::array<std::uint64_t, 3>, 3> parts_;  // by axis and step
 };
 
 }  // namespace planegraph
