@@ -112,6 +112,7 @@ Moments CellSums::ToMoments() const {
 CellOctree::CellOctree(const Cloud& cloud, double cell_size, int levels) : cell_size_(cell_size) {
   if (cloud.points.empty()) {
     levels_.resize(levels);
+    sums_.resize(levels);
     tables_.resize(levels);
     for (int level = 0; level < levels; ++level) BuildTable(level);
     return;
@@ -151,30 +152,42 @@ std::vector<std::uint64_t> CellOctree::SortPoints(const Cloud& cloud) {
 
 void CellOctree::BuildFinest(const std::vector<std::uint64_t>& keys) {
   levels_.emplace_back();
+  sums_.emplace_back();
   auto& cells = levels_.back();
   cells.reserve(CountRuns(keys, [](std::uint64_t key) { return key; }));
   for (std::uint32_t i = 0; i < keys.size(); ++i) {
-    if (cells.empty() || cells.back().key != keys[i]) cells.push_back({keys[i], i, 0, 0, 0, 0, {}});
+    if (cells.empty() || cells.back().key != keys[i]) cells.push_back({keys[i], i, 0, 0, 0});
     cells.back().point_count++;
-    cells.back().sums.Add(sorted_points_[i]);
   }
+}
+
+CellSums CellOctree::FinestSums(const Cell& cell) const {
+  CellSums sums;
+  for (std::uint32_t i = 0; i < cell.point_count; ++i) {
+    sums.Add(sorted_points_[cell.first_point + i]);
+  }
+  return sums;
 }
 
 void CellOctree::BuildNext() {
   std::vector<Cell> cells;
-  auto& below = levels_.back();
+  std::vector<CellSums> sums;
+  const auto& below = levels_.back();
+  const int level_below = levels() - 1;
   cells.reserve(CountRuns(below, [](const Cell& cell) { return cell.key >> 3; }));
+  sums.reserve(cells.capacity());
   for (std::uint32_t i = 0; i < below.size(); ++i) {
     const std::uint64_t key = below[i].key >> 3;
     if (cells.empty() || cells.back().key != key) {
-      cells.push_back({key, below[i].first_point, 0, i, 0, 0, {}});
+      cells.push_back({key, below[i].first_point, 0, i, 0});
+      sums.emplace_back();
     }
     cells.back().point_count += below[i].point_count;
     cells.back().child_count++;
-    cells.back().sums.Add(below[i].sums);
-    below[i].parent = static_cast<std::uint32_t>(cells.size() - 1);
+    sums.back().Add(Sums(level_below, i));
   }
   levels_.push_back(std::move(cells));
+  sums_.push_back(std::move(sums));
 }
 
 void CellOctree::BuildTable(int level) {

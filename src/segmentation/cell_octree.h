@@ -31,8 +31,6 @@ class CellOctree {
     std::uint64_t key;  ///< Morton code of the cell at its level
     std::uint32_t first_point, point_count;
     std::uint32_t first_child, child_count;  ///< in the level below
-    std::uint32_t parent;                    ///< in the level above
-    CellSums sums;
   };
 
   /// Throws std::length_error where the extent is more than 2^21 cells along an axis.
@@ -41,6 +39,10 @@ class CellOctree {
   int levels() const { return static_cast<int>(levels_.size()); }
   double CellSize(int level) const { return cell_size_ * static_cast<double>(1 << level); }
   const std::vector<Cell>& Level(int level) const { return levels_[level]; }
+  /// Sums over the points of a cell.
+  CellSums Sums(int level, std::uint32_t index) const {
+    return level == 0 ? FinestSums(levels_[0][index]) : sums_[level][index];
+  }
   /// Index of the point at position i of the Morton order.
   const std::vector<std::uint32_t>& order() const { return order_; }
   /// The points in Morton order.
@@ -65,12 +67,16 @@ class CellOctree {
   std::vector<std::uint64_t> SortPoints(const Cloud& cloud);
   void BuildFinest(const std::vector<std::uint64_t>& keys);
   void BuildNext();
+  CellSums FinestSums(const Cell& cell) const;
   void BuildTable(int level);
 
   double cell_size_;
   std::vector<std::uint32_t> order_;
   std::vector<Eigen::Vector3f> sorted_points_;
   std::vector<std::vector<Cell>> levels_;
+  // Not of the finest level: its cells hold one or two points each, and are most of the cells by
+  // far.
+  std::vector<std::vector<CellSums>> sums_;
   std::vector<HashTable> tables_;
 };
 

@@ -53,8 +53,8 @@ class Grower {
   std::vector<Region> Run();
 
  private:
-  const CellSums& Sums(std::uint32_t cell) const {
-    return octree_.Level(split_.planar[cell].level)[split_.planar[cell].index].sums;
+  CellSums Sums(std::uint32_t cell) const {
+    return octree_.Sums(split_.planar[cell].level, split_.planar[cell].index);
   }
   std::vector<std::uint32_t> SeedsByQuality() const;
   void Grow(std::uint32_t seed);

@@ -164,8 +164,8 @@ void Segmenter::CollectPatches() {
   result_.planes.patches.reserve(split_.planar.size());
   for (std::size_t c = 0; c < split_.planar.size(); ++c) {
     const PlanarCell& cell = split_.planar[c];
-    result_.planes.patches.push_back({octree_.Level(cell.level)[cell.index].sums.ToMoments(),
-                                      cell.normal, octree_.CellSize(cell.level), cell.sigma,
+    result_.planes.patches.push_back({octree_.Sums(cell.level, cell.index).ToMoments(), cell.normal,
+                                      octree_.CellSize(cell.level), cell.sigma,
                                       segment_of_cell_[c]});
   }
 }
