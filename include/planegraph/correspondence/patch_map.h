@@ -40,9 +40,8 @@ class PatchMap {
            double least_cosine) const;
 
  private:
-  int BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& point,
-                 const Eigen::Vector3d& normal, double gate, double least_cosine,
-                 double* best) const;
+  int BestInCell(std::uint64_t hash, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                 double gate, double least_cosine, double* best) const;
 
   // The tag stands for the cell: a surfel of another one that slips through is still tested.
   struct Item {
