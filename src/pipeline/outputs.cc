@@ -97,7 +97,8 @@ void WritePlaneFiles(const MapResult& result, const OutputOptions& options) {
 
 // Colours without a camera: the laser's intensity where there is one, else by height of the normal
 // and plane, so that walls, floors and clutter can be told apart.
-std::array<std::uint8_t, 3> PlaneColour(int plane) {
+using Colour = std::array<std::uint8_t, 3>;
+Colour PlaneColour(int plane) {
   if (plane < 0) return {150, 150, 150};
   const double hue = std::fmod(0.618033988749895 * (plane + 1), 1.0) * 6.0;
   const auto channel = [hue](double shift) {
@@ -108,9 +109,16 @@ std::array<std::uint8_t, 3> PlaneColour(int plane) {
   return {channel(5.0), channel(3.0), channel(1.0)};
 }
 
+// By plane + 1.
+std::vector<Colour> PlaneColours(const PlaneSet& set) {
+  std::vector<Colour> colours;
+  for (int p = -1; p < static_cast<int>(set.planes.size()); ++p) colours.push_back(PlaneColour(p));
+  return colours;
+}
+
 struct MapPoint {
   Eigen::Vector3f position;
-  std::array<std::uint8_t, 3> colour;
+  Colour colour;
   std::int32_t plane;
 };
 
@@ -129,11 +137,12 @@ std::vector<MapPoint> MapPoints(const MapResult& result, std::size_t index,
   const Rigid3& pose = result.solution.world_from_scan[index];
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   const Eigen::Vector3d shift = pose.translation - offset;
+  const std::vector<Colour> plane_colours = PlaneColours(record.planes);
   std::vector<MapPoint> points;
   points.reserve(kept.size());
   for (const std::uint32_t i : kept) {
     const std::int32_t plane = i < record.labels.size() ? record.labels[i] : -1;
-    const auto colour = cloud.colors.empty() ? PlaneColour(plane) : cloud.colors[i];
+    const Colour& colour = cloud.colors.empty() ? plane_colours[plane + 1] : cloud.colors[i];
     points.push_back({(rotation * cloud.Position(i) + shift).cast<float>(), colour, plane});
   }
   return points;

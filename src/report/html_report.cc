@@ -30,7 +30,7 @@ Json ReadReport(const std::string& path) {
 Cloud ReadMap(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return {};
-  return ReadCloud(path, "ply");
+  return ReadPositions(path, "ply");
 }
 
 std::string Head(const std::string& name) {
