@@ -150,12 +150,6 @@ TEST_F(MapSmallSite, UnknownNamesAreWrongUsage) {
   EXPECT_THROW(MapScans(site, options), UsageError);
 }
 
-TEST_F(MapSmallSite, DroneMapsAreWarnedOf) {
-  Site site = WriteAndRead(SmallSite(SceneKind::kHall, 2, 16));
-  site.maps.push_back({"roof", "roof.ply", "", "", ""});
-  EXPECT_EQ(MapScans(site, TwoThreads("none")).warnings.size(), 1u);
-}
-
 TEST_F(MapSmallSite, OneScanIsItsOwnMap) {
   const Site site = WriteAndRead(SmallSite(SceneKind::kHall, 1, 16));
   for (const char* optimizer : {"graph", "metascan", "none"}) {
