@@ -10,8 +10,8 @@
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/geometry/sim3.h"
-#include "planegraph/registration/registration.h"
 #include "planegraph/registration/map_registration.h"
+#include "planegraph/registration/registration.h"
 #include "planegraph/registration/xiao.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
@@ -205,14 +205,11 @@ std::vector<UnobservedDirection> OpenInMap(const Matrix6d& covariance) {
 
 nlohmann::json MapResultToJson(const MapLocation& location, const MapModel& map,
                                const ScanModel& source, const ScaleOfMap& scale) {
-  nlohmann::json json = {{"target_from_source", nullptr},
-                         {"status", ToString(location.status)},
-                         {"reason", location.reason},
-                         {"correspondences", nlohmann::json::array()},
-                         {"covariance", nullptr},
-                         {"unobserved", nlohmann::json::array()},
-                         {"quality", location.r1},
-                         {"runner_up", location.r2}};
+  nlohmann::json json = {
+      {"target_from_source", nullptr}, {"status", ToString(location.status)},
+      {"reason", location.reason},     {"correspondences", nlohmann::json::array()},
+      {"covariance", nullptr},         {"unobserved", nlohmann::json::array()},
+      {"quality", location.r1},        {"runner_up", location.r2}};
   if (location.candidates.empty()) return json;
   const MapRefinement& found = location.candidates.front().refinement;
   const Sim3& metric = found.map_from_group;
@@ -235,7 +232,8 @@ nlohmann::json MapResultToJson(const MapLocation& location, const MapModel& map,
 int RegisterInMap(const PlaneSet& target, const PlaneSet& source, const ScaleOfMap& scale) {
   const MapModel map(target);
   const ScanModel scan(source);
-  const MapLocation location = LocateInMap(map, ScanGroup(scan), MapOptionsFromFlags(scale, source));
+  const MapLocation location =
+      LocateInMap(map, ScanGroup(scan), MapOptionsFromFlags(scale, source));
   const nlohmann::json json = MapResultToJson(location, map, scan, scale);
   if (WantsText()) {
     std::printf("%s%s%s\ntarget_from_source %s\n", ToString(location.status),

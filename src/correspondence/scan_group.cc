@@ -31,9 +31,9 @@ std::vector<std::size_t> Anchors(const ScanGroup& group, double distance, std::s
     for (std::size_t k = 0; k < group.scans.size(); ++k) {
       double nearest = INFINITY;
       for (const std::size_t a : anchors) {
-        nearest = std::min(nearest, (group.group_from_scan[k].translation -
-                                     group.group_from_scan[a].translation)
-                                        .norm());
+        nearest = std::min(
+            nearest,
+            (group.group_from_scan[k].translation - group.group_from_scan[a].translation).norm());
       }
       if (nearest > best) best = nearest, farthest = k;
     }
@@ -48,7 +48,8 @@ std::vector<GroupSample> SamplesOf(const ScanGroup& group, std::size_t most_per_
   for (std::size_t s = 0; s < group.scans.size(); ++s) {
     const ScanModel& scan = *group.scans[s];
     const Rigid3& pose = group.group_from_scan[s];
-    const std::size_t stride = 1 + (scan.samples.size() - 1) / std::max<std::size_t>(most_per_scan, 1);
+    const std::size_t stride =
+        1 + (scan.samples.size() - 1) / std::max<std::size_t>(most_per_scan, 1);
     const std::size_t first = samples.size();
     double total = 0.0;
     for (std::size_t k = 0; k < scan.samples.size(); k += stride) {

@@ -122,8 +122,8 @@ MapWeights WeighMaps(const JointProblem& problem) {
   return weights;
 }
 
-// Neighbouring surfaces of a map err together: the observations of one block have the information of
-// its mean, whatever their number.
+// Neighbouring surfaces of a map err together: the observations of one block have the information
+// of its mean, whatever their number.
 void ShareMapInformation(const MapWeights& weights, Graph* graph) {
   std::map<std::pair<int, std::uint64_t>, double> count;
   const auto block = [](const PlaneLandmark& plane, const PlaneObservation& seen) {
@@ -139,8 +139,8 @@ void ShareMapInformation(const MapWeights& weights, Graph* graph) {
       if (seen.map < 0) continue;
       const double shared = weights.errors[seen.map].block_sigma;
       const double own = 1.0 / (seen.offset_weight * seen.offset_weight);
-      const double variance = weights.factors[seen.map] *
-                              std::max(own, count[block(plane, seen)] * shared * shared);
+      const double variance =
+          weights.factors[seen.map] * std::max(own, count[block(plane, seen)] * shared * shared);
       const double share = std::sqrt(own / variance);
       seen.offset_weight *= share;
       seen.tilt_weight_1 *= share;

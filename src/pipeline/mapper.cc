@@ -99,9 +99,9 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
                     Placement* placement, MapResult* result) {
   std::vector<MapModel> map_models;
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
-  PlaceInMaps(result->site, models, result->scans,
-              Components(result->scans.size(), result->pairs), result->odometry, result->maps,
-              map_models, options.threads, placement, &result->map_pairs);
+  PlaceInMaps(result->site, models, result->scans, Components(result->scans.size(), result->pairs),
+              result->odometry, result->maps, map_models, options.threads, placement,
+              &result->map_pairs);
   if (options.optimizer == "graph") {
     std::vector<int> frames = FramesOf(result->site, result->scans);
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -121,8 +121,7 @@ JointSolution MatchSimultaneously(const Placement& placement, MapResult* result)
   options.fixed.assign(start.size(), false);
   for (const MapPairRecord& pair : result->map_pairs) {
     if (!pair.used || options.fixed[pair.scan]) continue;
-    const Sim3 found =
-        placement.world_from_metric[pair.map] * pair.refinement.map_from_group;
+    const Sim3 found = placement.world_from_metric[pair.map] * pair.refinement.map_from_group;
     start[pair.scan] = {found.rotation, found.translation};
     options.fixed[pair.scan] = true;
   }
@@ -165,10 +164,10 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
   result->solution.world_from_scan = placement.world_from_scan;
   result->solution.world_from_metric = placement.world_from_metric;
   if (options.optimizer == "graph") {
-    result->solution = SolveJointly({&result->site, &result->scans, &result->pairs,
-                                     &result->odometry, &result->maps, &result->map_pairs,
-                                     &placement},
-                                    options);
+    result->solution =
+        SolveJointly({&result->site, &result->scans, &result->pairs, &result->odometry,
+                      &result->maps, &result->map_pairs, &placement},
+                     options);
   }
   if (options.optimizer == "metascan") {
     result->solution = MatchSimultaneously(placement, result);

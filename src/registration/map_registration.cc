@@ -13,15 +13,15 @@ namespace planegraph {
 namespace {
 
 constexpr double kLeastCosine = 0.94;
-constexpr double kFirstGate = 0.8;       // metres: the vote's voxels
-constexpr std::size_t kFirstLook = 96;   // samples, of all scans together
+constexpr double kFirstGate = 0.8;      // metres: the vote's voxels
+constexpr std::size_t kFirstLook = 96;  // samples, of all scans together
 // Scans within the radius vote together; a long way votes from several places.
 constexpr double kAnchorRadius = 6.0, kAnchorDistance = 12.0;  // metres
 constexpr std::size_t kMostAnchors = 4;
 constexpr double kMostScaleSigmas = 5.0;
 constexpr double kSameMetres = 2.0, kSameRadians = 0.1;
-constexpr double kPierceMargin = 0.7;    // metres that a beam must go on beyond a surface
-constexpr double kViewRadius = 25.0;     // metres about a scan in which the map is looked through
+constexpr double kPierceMargin = 0.7;  // metres that a beam must go on beyond a surface
+constexpr double kViewRadius = 25.0;   // metres about a scan in which the map is looked through
 constexpr std::size_t kMostViewed = 600;
 
 // Share of agreement, quickly: for a first look at many hypotheses.
@@ -96,8 +96,7 @@ std::vector<Sim3> FirstLook(const MapModel& map, const ScanGroup& group, const M
                             std::size_t most, const MapLocationOptions& options) {
   const auto hypotheses =
       FindMapHypotheses(map, group, prior, options.most_hypotheses, options.threads);
-  const auto samples =
-      SamplesOf(group, std::max<std::size_t>(8, kFirstLook / group.scans.size()));
+  const auto samples = SamplesOf(group, std::max<std::size_t>(8, kFirstLook / group.scans.size()));
   std::vector<double> scores(hypotheses.size());
   ParallelFor(hypotheses.size(), options.threads, [&](std::size_t i) {
     scores[i] = Agreement(map, samples, hypotheses[i].map_from_group, kFirstGate);
@@ -157,8 +156,8 @@ MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start
   MapCandidate candidate;
   const ScanGroup around = Around(group, start.anchor, kAnchorRadius);
   candidate.refinement = RefineInMap(map, around, start.map_from_anchor, quick);
-  candidate.refinement.map_from_group = candidate.refinement.map_from_group *
-                                        Sim3(group.group_from_scan[start.anchor].Inverse());
+  candidate.refinement.map_from_group =
+      candidate.refinement.map_from_group * Sim3(group.group_from_scan[start.anchor].Inverse());
   if (around.scans.size() < group.scans.size()) {
     candidate.refinement = RefineInMap(map, group, candidate.refinement.map_from_group, quick);
   }
@@ -171,9 +170,8 @@ std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
                                     const std::vector<Start>& starts,
                                     const MapLocationOptions& options) {
   std::vector<MapCandidate> candidates(starts.size());
-  ParallelFor(starts.size(), options.threads, [&](std::size_t i) {
-    candidates[i] = RefineFrom(map, group, starts[i], options);
-  });
+  ParallelFor(starts.size(), options.threads,
+              [&](std::size_t i) { candidates[i] = RefineFrom(map, group, starts[i], options); });
   // Where nothing fits, the surfaces pull the scale to where no prior would have it.
   const double most = kMostScaleSigmas * std::max(options.prior.sigma_scale, 0.005);
   std::erase_if(candidates, [&](const MapCandidate& c) {
@@ -218,11 +216,11 @@ void Decide(const MapLocationOptions& options, MapLocation* location) {
   char text[160];
   if (location->r1 < options.least_score) {
     location->status = RegistrationStatus::kFailed;
-    std::snprintf(text, sizeof(text),
-                  "the best place explains too little: %.0f %% of the surfaces, %.0f %% in the worst "
-                  "direction, score %.3f of %.3f",
-                  100.0 * best.agree, 100.0 * best.worst_direction, location->r1,
-                  options.least_score);
+    std::snprintf(
+        text, sizeof(text),
+        "the best place explains too little: %.0f %% of the surfaces, %.0f %% in the worst "
+        "direction, score %.3f of %.3f",
+        100.0 * best.agree, 100.0 * best.worst_direction, location->r1, options.least_score);
   } else if (location->r2 > options.ambiguity * location->r1 ||
              location->chance > options.most_chance) {
     location->status = RegistrationStatus::kAmbiguous;
@@ -238,8 +236,8 @@ void Decide(const MapLocationOptions& options, MapLocation* location) {
 
 }  // namespace
 
-MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group,
-                            const Sim3& map_from_group, double gate) {
+MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
+                            double gate) {
   const std::vector<Agreements> scans = AgreementsByScan(map, group, map_from_group, gate);
   std::vector<std::size_t> order(scans.size());
   for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;

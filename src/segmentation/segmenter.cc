@@ -22,7 +22,8 @@ class Segmenter {
       : cloud_(cloud),
         options_(options),
         octree_(cloud, options.cell_size, options.levels),
-        noise_(options.noise ? *options.noise : EstimateNoise(CollectNoiseSamples(octree_, cloud, options.kind))),
+        noise_(options.noise ? *options.noise
+                             : EstimateNoise(CollectNoiseSamples(octree_, cloud, options.kind))),
         split_(SplitIntoPlanarCells(octree_, cloud, noise_, options)) {}
 
   Segmentation Run();
@@ -67,8 +68,7 @@ void Segmenter::KeepLargeRegions() {
 
 // A region faces where most of its cells do.
 Plane Segmenter::PlaneOf(const Region& region) const {
-  const Plane plane =
-      LeastSquaresPlane(region.sums.ToMoments(), cloud_.viewpoint - cloud_.offset);
+  const Plane plane = LeastSquaresPlane(region.sums.ToMoments(), cloud_.viewpoint - cloud_.offset);
   if (options_.kind == CloudKind::kLaser) return plane;
   double facing = 0.0;
   for (const std::uint32_t cell : region.cells) {
@@ -190,8 +190,8 @@ void Segmenter::CollectPatches() {
   for (std::size_t c = 0; c < split_.planar.size(); ++c) {
     const PlanarCell& cell = split_.planar[c];
     result_.planes.patches.push_back({octree_.Sums(cell.level, cell.index).ToMoments(), cell.normal,
-                                      octree_.CellSize(cell.level), cell.sigma,
-                                      segment_of_cell_[c], cell.orientation});
+                                      octree_.CellSize(cell.level), cell.sigma, segment_of_cell_[c],
+                                      cell.orientation});
   }
 }
 

@@ -23,8 +23,8 @@ struct Node {
   bool is_map;
 };
 
-std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans,
-                        const std::vector<Rigid3>& poses, const std::vector<PlacedMap>& maps) {
+std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
+                        const std::vector<PlacedMap>& maps) {
   std::vector<Node> nodes;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     nodes.push_back({scans[s], Sim3(poses[s]), false});
@@ -114,8 +114,8 @@ Associator::Associator(std::vector<Node> nodes, std::size_t scan_count,
     for (std::size_t i = 0; i < nodes_[n].planes->patches.size(); ++i) {
       const Patch& patch = nodes_[n].planes->patches[i];
       patches_.push_back({world_from_node * patch.moments.mean,
-                          world_from_node.rotation * patch.normal,
-                          static_cast<std::int32_t>(n), static_cast<std::int32_t>(i), 0});
+                          world_from_node.rotation * patch.normal, static_cast<std::int32_t>(n),
+                          static_cast<std::int32_t>(i), 0});
     }
   }
   RankPatches();
@@ -168,8 +168,8 @@ std::vector<std::uint32_t> Associator::Collect(const Eigen::Vector3d& centre,
 }
 
 Plane Associator::FitPlane(const std::vector<std::uint32_t>& members) const {
-  const bool only_maps = std::all_of(members.begin(), members.end(),
-                                     [&](std::uint32_t i) { return IsMap(i); });
+  const bool only_maps =
+      std::all_of(members.begin(), members.end(), [&](std::uint32_t i) { return IsMap(i); });
   Moments sum;
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   for (const std::uint32_t i : members) {
@@ -188,8 +188,8 @@ bool Associator::SeveralScans(const std::vector<std::uint32_t>& members) const {
   const bool several = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
     return patches_[i].node != patches_[members.front()].node;
   });
-  return several && std::any_of(members.begin(), members.end(),
-                                [&](std::uint32_t i) { return !IsMap(i); });
+  return several &&
+         std::any_of(members.begin(), members.end(), [&](std::uint32_t i) { return !IsMap(i); });
 }
 
 PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, std::size_t first,

@@ -21,8 +21,8 @@ struct MapEvidence {
   double pierced = 0.0;
   std::vector<double> agree_by_scan;  ///< of every scan
 
-  /// In [0, 1]. A wrong pose easily has the ground right, so that the worst direction counts as much
-  /// as the mean.
+  /// In [0, 1]. A wrong pose easily has the ground right, so that the worst direction counts as
+  /// much as the mean.
   double Score() const { return agree * worst_direction * (1.0 - pierced) * (1.0 - pierced); }
 };
 
@@ -56,8 +56,8 @@ struct MapLocation {
 };
 
 /// The evidence for a pose. `gate`: metres along the normal.
-MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group,
-                            const Sim3& map_from_group, double gate);
+MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
+                            double gate);
 
 /// Planes of the map and of a scan that lie on each other, by the scan's samples, most first.
 std::vector<PlanePair> MapCorrespondences(const MapModel& map, const ScanModel& scan,
