@@ -58,6 +58,13 @@ std::string SigmaText(const ReportScan& scan, int first, double factor, int deci
 
 bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
 
+// What the covariances are relative to: GPS holds all scans, or one of them is fixed.
+std::string Reference(const ReportData& data) {
+  return std::any_of(data.scans.begin(), data.scans.end(), IsFixed) || data.scans.empty()
+             ? "relative to the fixed scan"
+             : "in the world frame";
+}
+
 std::string WeakestText(const ReportScan& scan) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
@@ -80,14 +87,25 @@ std::string SecondsText(const Json& scan) {
   return any ? Fixed(sum, 3) : kDash;
 }
 
-void AddScan(const ReportScan& scan, HtmlTable* table) {
+std::string AnchorsText(const Json& scan) {
+  std::string text;
+  for (const std::string& name : AnchorsOf(scan)) text += (text.empty() ? "" : ", ") + Escape(name);
+  return text.empty() ? kDash : text;
+}
+
+void AddScan(const ReportScan& scan, bool has_maps, HtmlTable* table) {
   const Json& json = *scan.json;
-  table->Row(
-      {TextOrDash(scan.id), GroupedOrDash(NumberAt(json, {"points"})),
-       GroupedOrDash(NumberAt(json, {"points_filtered"})),
-       GroupedOrDash(NumberAt(json, {"planes"})), PositionText(scan), SigmaText(scan, 0, 1000.0, 1),
-       SigmaText(scan, 3, kDegrees, 3), SecondsText(json), WeakestText(scan)},
-      OpenDirections(json).empty() ? "" : "weak");
+  std::vector<std::string> cells = {TextOrDash(scan.id),
+                                    GroupedOrDash(NumberAt(json, {"points"})),
+                                    GroupedOrDash(NumberAt(json, {"points_filtered"})),
+                                    GroupedOrDash(NumberAt(json, {"planes"})),
+                                    PositionText(scan),
+                                    SigmaText(scan, 0, 1000.0, 1),
+                                    SigmaText(scan, 3, kDegrees, 3),
+                                    SecondsText(json),
+                                    WeakestText(scan)};
+  if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
+  table->Row(cells, OpenDirections(json).empty() ? "" : "weak");
 }
 
 // ---- registrations ----
@@ -140,20 +158,24 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  HtmlTable table({{"scan", "", false},
-                   {"points", ""},
-                   {"after filters", ""},
-                   {"planes", ""},
-                   {"position x, y, z", "m"},
-                   {"sigma", "mm"},
-                   {"sigma", "deg"},
-                   {"time", "s"},
-                   {"weakest direction, and what holds it", "", false}});
-  for (const ReportScan& scan : data.scans) AddScan(scan, &table);
+  const bool has_maps = !data.maps.empty();
+  std::vector<HtmlColumn> columns = {{"scan", "", false},
+                                     {"points", ""},
+                                     {"after filters", ""},
+                                     {"planes", ""},
+                                     {"position x, y, z", "m"},
+                                     {"sigma", "mm"},
+                                     {"sigma", "deg"},
+                                     {"time", "s"},
+                                     {"weakest direction, and what holds it", "", false}};
+  if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
+  HtmlTable table(std::move(columns));
+  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
                  "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
-                 "rotation about its weakest axis, relative to the fixed scan.</p>\n" +
+                 "rotation about its weakest axis, " +
+                     Reference(data) + ".</p>\n" +
                      table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
 }
 

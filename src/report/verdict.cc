@@ -69,6 +69,25 @@ Verdict JoinedVerdict(const ReportData& data) {
                            std::to_string(*components) + SizesText(data)};
 }
 
+// "4 of them are anchored to the drone map uav1, whose scale is 8.507 m per unit ± 0.20 %".
+void AddMaps(const ReportData& data, Verdict* verdict) {
+  for (const ReportMap& map : data.maps) {
+    const std::string name = "the drone map " + TextOrDash(map.id);
+    if (map.anchored == 0) {
+      if (verdict->level == Level::kGood) verdict->level = Level::kFair;
+      verdict->sentence += "; none is anchored to " + name;
+      continue;
+    }
+    const auto scale = NumberAt(*map.json, {"world_from_map", "scale"});
+    const auto sigma = NumberAt(*map.json, {"sigma_scale"});
+    verdict->sentence += "; " + Grouped(static_cast<double>(map.anchored)) +
+                         (map.anchored == 1 ? " is" : " are") + " anchored to " + name;
+    if (!scale) continue;
+    verdict->sentence += ", whose scale is " + Significant(*scale, 5) + "\u00a0m per unit";
+    if (sigma) verdict->sentence += " ± " + Significant(100.0 * *sigma, 2) + "\u00a0%";
+  }
+}
+
 std::string Listed(const std::set<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " and ") + Escape(name);
@@ -98,6 +117,7 @@ void AddOpenDirections(const ReportData& data, Verdict* verdict) {
 
 Verdict Judge(const ReportData& data) {
   Verdict verdict = JoinedVerdict(data);
+  AddMaps(data, &verdict);
   AddOpenDirections(data, &verdict);
   if (!FlagAt(*data.json, {"solve", "converged"}).value_or(true)) {
     verdict.level = Level::kBad;
@@ -136,6 +156,12 @@ std::string SumText(const ReportData& data, const char* key) {
   return any ? Grouped(sum) : kDash;
 }
 
+std::string MapFigures(const ReportData& data) {
+  double points = 0;
+  for (const ReportMap& map : data.maps) points += NumberAt(*map.json, {"points"}).value_or(0.0);
+  return points > 0 ? Figure(Grouped(points), "", "points of the drone") : "";
+}
+
 std::string AteFigures(const ReportData& data) {
   std::string html;
   const Json& evaluation = Get(*data.json, {"evaluation"});
@@ -152,7 +178,8 @@ std::string FiguresHtml(const ReportData& data) {
   const std::size_t tried = ListAt(json, {"registrations"}).size();
   std::string html = "<div class=\"figures\">\n";
   html += Figure(Grouped(static_cast<double>(data.scans.size())), "", "scans");
-  html += Figure(SumText(data, "points"), "", "points");
+  html += Figure(SumText(data, "points"), "", "points of the scans");
+  html += MapFigures(data);
   html += Figure(SumText(data, "planes"), "", "planes of the scans");
   html += Figure(Grouped(static_cast<double>(UsedRegistrations(json))) + " / " +
                      Grouped(static_cast<double>(tried)),

@@ -150,10 +150,12 @@ TEST_F(MapSmallSite, UnknownNamesAreWrongUsage) {
   EXPECT_THROW(MapScans(site, options), UsageError);
 }
 
-TEST_F(MapSmallSite, DroneMapsAreWarnedOf) {
+TEST_F(MapSmallSite, AMissingDroneCloudIsAnError) {
   Site site = WriteAndRead(SmallSite(SceneKind::kHall, 2, 16));
-  site.maps.push_back({"roof", "roof.ply", "", "", ""});
-  EXPECT_EQ(MapScans(site, TwoThreads("none")).warnings.size(), 1u);
+  site.maps.emplace_back();
+  site.maps.back().name = "roof";
+  site.maps.back().cloud = Path("roof.ply");
+  EXPECT_THROW(MapScans(site, TwoThreads("none")), InputError);
 }
 
 TEST_F(MapSmallSite, OneScanIsItsOwnMap) {
