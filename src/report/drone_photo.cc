@@ -9,8 +9,10 @@ namespace planegraph {
 namespace {
 
 constexpr double kMostPixels = 4e5;
-constexpr double kLeastPixel = 0.08;  ///< metres; about the spacing of photogrammetric points
-constexpr double kTop = 0.4;          ///< metres: points so near below the topmost one count
+constexpr double kLeastPixel = 0.08;  ///< metres
+constexpr double kPointsPerPixel = 1.5;
+constexpr int kFillRounds = 4;
+constexpr double kTop = 0.4;  ///< metres: points so near below the topmost one count
 
 // Lightness and two differences of colour, each in about [0, 255]: a palette spends its entries
 // better on them than on red, green and blue.
@@ -63,6 +65,15 @@ void ForEachInView(const Cloud& drone, const PlanView& view, double pixel, const
     const std::size_t row = photo.height - 1 - static_cast<std::size_t>(at.y());
     visit(i, row * photo.width + static_cast<std::size_t>(at.x()));
   }
+}
+
+std::size_t CountInView(const Cloud& drone, const PlanView& view) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < drone.size(); ++i) {
+    const Eigen::Array2d page = view.OnPage(drone.Position(i).head<2>());
+    count += (page >= view.low.array()).all() && (page < view.high.array()).all() ? 1 : 0;
+  }
+  return count;
 }
 
 Photo TakePhoto(const Cloud& drone, const PlanView& view, double pixel) {
@@ -162,13 +173,13 @@ void Index(const Photo& photo, DronePhoto* picture) {
 DronePhoto DrawDronePhoto(const Cloud& drone, const PlanView& view) {
   DronePhoto picture;
   if (drone.colors.empty()) return picture;
-  picture.pixel = std::max(kLeastPixel, std::sqrt(view.Extent().prod() / kMostPixels));
+  const double shown = static_cast<double>(CountInView(drone, view));
+  if (shown == 0.0) return picture;
+  const double area = view.Extent().prod();
+  picture.pixel = std::max(
+      {kLeastPixel, std::sqrt(area / kMostPixels), std::sqrt(kPointsPerPixel * area / shown)});
   Photo photo = TakePhoto(drone, view, picture.pixel);
-  if (std::none_of(photo.counts.begin(), photo.counts.end(), [](float n) { return n > 0; })) {
-    return picture;
-  }
-  FillHoles(&photo);
-  FillHoles(&photo);
+  for (int i = 0; i < kFillRounds; ++i) FillHoles(&photo);
   Index(photo, &picture);
   return picture;
 }

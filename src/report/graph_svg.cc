@@ -14,6 +14,7 @@ constexpr double kResidualLimits[] = {0.005, 0.010, 0.020};
 
 std::string EdgeClass(const Json& registration) {
   if (!FlagAt(registration, {"used"}).value_or(false)) return "unused";
+  if (TextAt(registration, {"kind"}) == "laser-map") return "em";  // another scale of residuals
   const auto rms = NumberAt(registration, {"rms"});
   if (!rms) return "e9";
   int k = 0;
@@ -133,9 +134,10 @@ std::string GraphLegend(bool has_maps) {
       "<rect class=\"drone\" x=\"9\" y=\"2\" width=\"10\" height=\"10\" "
       "transform=\"rotate(45 14 7)\"/>",
       "drone map (placed where there is room)");
-  return "<ul class=\"legend\">" + (has_maps ? map : "") +
-         EdgeKey("e0", "used, residual up to 5 mm") + EdgeKey("e1", "up to 10 mm") +
-         EdgeKey("e2", "up to 20 mm") + EdgeKey("e3", "above") +
+  return "<ul class=\"legend\">" + (has_maps ? map + EdgeKey("em", "used, to a drone map") : "") +
+         EdgeKey("e0",
+                 has_maps ? "between scans, residual up to 5 mm" : "used, residual up to 5 mm") +
+         EdgeKey("e1", "up to 10 mm") + EdgeKey("e2", "up to 20 mm") + EdgeKey("e3", "above") +
          EdgeKey("unused", "tried and not used") + "</ul>\n";
 }
 

@@ -148,9 +148,9 @@ std::string PlanLegend(const ReportData& data, const Pictures& pictures, bool ha
              MapKey("high", "higher alone") + MapKey("seen", "seen");
   }
   if (factor > 0) {
-    items +=
-        LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",
-                   "1-sigma ellipse of the position, drawn " + Grouped(factor) + " times its size");
+    items += LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",
+                        "1-sigma ellipse of the position" +
+                            (factor > 1 ? ", drawn " + Grouped(factor) + " times its size" : ""));
   }
   if (has_open)
     items += LegendItem("<path class=\"open\" d=\"M1 7H27\"/>",

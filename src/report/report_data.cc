@@ -131,7 +131,8 @@ std::string HoldInWords(const OpenDirection& open) {
   constexpr double kDegrees = 180.0 / M_PI;
   const std::string sigma = open.is_rotation ? Significant(*open.sigma * kDegrees, 2) + "°"
                                              : Significant(*open.sigma, 2) + "\u00a0m";
-  return "sigma " + sigma + (open.held_by.empty() ? "" : " from " + Escape(open.held_by));
+  const std::string holder = open.held_by == "gps" ? "GPS" : Escape(open.held_by);
+  return "sigma " + sigma + (holder.empty() ? "" : " from " + holder);
 }
 
 Weakest WeakestAxis(const Matrix6& covariance, int first) {

@@ -58,14 +58,12 @@ std::string SigmaText(const ReportScan& scan, int first, double factor, int deci
 
 bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
 
-// What the covariances are relative to: GPS holds all scans, or one of them is fixed.
-std::string Reference(const ReportData& data) {
-  return std::any_of(data.scans.begin(), data.scans.end(), IsFixed) || data.scans.empty()
-             ? "relative to the fixed scan"
-             : "in the world frame";
+// Covariances are relative to a fixed scan; where GPS holds all scans, there is none.
+bool HasFixed(const ReportData& data) {
+  return std::any_of(data.scans.begin(), data.scans.end(), IsFixed);
 }
 
-std::string WeakestText(const ReportScan& scan) {
+std::string WeakestText(const ReportScan& scan, bool has_fixed) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
   if (IsFixed(scan)) return "fixed: the world's frame";
@@ -73,7 +71,8 @@ std::string WeakestText(const ReportScan& scan) {
   const Weakest weakest = WeakestAxis(*scan.covariance, 0);
   OpenDirection words;
   words.axis = weakest.axis;
-  return InWords(words) + ", held by planes";
+  // In the world's frame GPS has its share in every direction.
+  return InWords(words) + (has_fixed ? ", held by planes" : "");
 }
 
 std::string SecondsText(const Json& scan) {
@@ -93,7 +92,7 @@ std::string AnchorsText(const Json& scan) {
   return text.empty() ? kDash : text;
 }
 
-void AddScan(const ReportScan& scan, bool has_maps, HtmlTable* table) {
+void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* table) {
   const Json& json = *scan.json;
   std::vector<std::string> cells = {TextOrDash(scan.id),
                                     GroupedOrDash(NumberAt(json, {"points"})),
@@ -103,7 +102,7 @@ void AddScan(const ReportScan& scan, bool has_maps, HtmlTable* table) {
                                     SigmaText(scan, 0, 1000.0, 1),
                                     SigmaText(scan, 3, kDegrees, 3),
                                     SecondsText(json),
-                                    WeakestText(scan)};
+                                    WeakestText(scan, has_fixed)};
   if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
   table->Row(cells, OpenDirections(json).empty() ? "" : "weak");
 }
@@ -158,7 +157,7 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  const bool has_maps = !data.maps.empty();
+  const bool has_maps = !data.maps.empty(), has_fixed = HasFixed(data);
   std::vector<HtmlColumn> columns = {{"scan", "", false},
                                      {"points", ""},
                                      {"after filters", ""},
@@ -170,12 +169,13 @@ std::string ScansHtml(const ReportData& data) {
                                      {"weakest direction, and what holds it", "", false}};
   if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
   HtmlTable table(std::move(columns));
-  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, &table);
+  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, has_fixed, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
                  "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
                  "rotation about its weakest axis, " +
-                     Reference(data) + ".</p>\n" +
+                     std::string(has_fixed ? "relative to the fixed scan" : "in the world frame") +
+                     ".</p>\n" +
                      table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
 }
 

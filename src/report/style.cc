@@ -89,7 +89,7 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .upright { fill: var(--upright); } .high { fill: var(--high); } .seen { fill: var(--seen); }
 .edge { fill: none; stroke-width: 2; }
 .e0 { stroke: #1a9850; } .e1 { stroke: #4f9bd9; } .e2 { stroke: #e08214; } .e3 { stroke: #d1242f; }
-.e9 { stroke: var(--quiet); }
+.em { stroke: #8a63d2; } .e9 { stroke: var(--quiet); }
 .drone { fill: var(--page); stroke: var(--text); stroke-width: 2; }
 .unused.edge { stroke: #9aa0a8; stroke-width: 1.3; stroke-dasharray: 3 4; }
 .s0 { fill: #4f7cac; } .s1 { fill: #e0a458; } .s2 { fill: #6a994e; } .s3 { fill: #a06cd5; }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -94,18 +95,33 @@ std::string Listed(const std::set<std::string>& names) {
   return text;
 }
 
+// What GPS alone holds is no weakness: nothing else knows where in the world a site lies.
+bool IsPlaceInWorld(const OpenDirection& open) {
+  return open.held_by == "gps" && open.sigma && !open.is_rotation;
+}
+
+std::string PlaceInWorld(double sigma) {
+  return "; where in the world they lie is known from GPS, to " + Significant(sigma, 2) + "\u00a0m";
+}
+
 void AddOpenDirections(const ReportData& data, Verdict* verdict) {
   std::size_t held = 0, free = 0;
+  double by_gps = 0.0;
   std::set<std::string> holders;
   for (const ReportScan& scan : data.scans) {
     bool is_free = false;
-    const auto directions = OpenDirections(*scan.json);
+    auto directions = OpenDirections(*scan.json);
+    for (const OpenDirection& open : directions) {
+      if (IsPlaceInWorld(open)) by_gps = std::max(by_gps, *open.sigma);
+    }
+    std::erase_if(directions, IsPlaceInWorld);
     for (const OpenDirection& open : directions) {
       is_free |= !open.sigma || open.held_by.empty();
       if (!open.held_by.empty()) holders.insert(open.held_by);
     }
     if (!directions.empty()) ++(is_free ? free : held);
   }
+  if (by_gps > 0.0) verdict->sentence += PlaceInWorld(by_gps);
   if (held + free == 0) return;
   if (verdict->level == Level::kGood) verdict->level = Level::kFair;
   if (held > 0) {

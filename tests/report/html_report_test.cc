@@ -53,19 +53,32 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
 TEST_F(HtmlReport, ShowsTheDroneMap) {
   const std::string page = ReportOf(SampleReport().dump());
   EXPECT_EQ(FirstFault(page), "");
-  EXPECT_THAT(page, HasSubstr("1 is anchored to the drone map uav, whose scale is 2.5\u00a0m per "
-                              "unit ± 0.2\u00a0%"));
-  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.5 ± 0.2\u00a0%</td>"));
-  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.45 ± 1.1\u00a0%</td>"));  // by GPS
-  EXPECT_THAT(page, HasSubstr("<td class=\"n\">+2.04</td>"));              // 2.5 / 2.45
+  EXPECT_THAT(page,
+              HasSubstr("1 is anchored to the drone map uav, whose scale is 2.5000\u00a0m per "
+                        "unit ± 0.20\u00a0%"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.50000 ± 0.20\u00a0%</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.45000 ± 1.1\u00a0%</td>"));  // by GPS
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">+2.04</td>"));                 // 2.5 / 2.45
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">130 / 133</td>"));
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.75</td>"));  // rms of the fixes, m
   EXPECT_THAT(page, HasSubstr("latitude 51.4880000°, longitude 7.4930000°, altitude 115.00"));
   EXPECT_THAT(page, HasSubstr("not enough overlap: the map confirms 0 % of the surfaces"));
+  EXPECT_THAT(page, HasSubstr("<path class=\"edge em\""));
   EXPECT_THAT(page, HasSubstr("<title>ugv/000 to uav: ok, residual 17.3 mm</title>"));
   EXPECT_THAT(page, HasSubstr("<title>uav</title>"));
   EXPECT_LT(page.find("maps 0.400 s"), page.find("placing 0.200 s"));
   EXPECT_LT(page.find("placing 0.200 s"), page.find("solve 0.250 s"));
+}
+
+TEST_F(HtmlReport, APlaceByGpsIsNoWeakness) {
+  nlohmann::json report = SampleReport();
+  for (auto& scan : report["scans"]) {
+    scan["unobserved"] = {{{"direction", {0, 0, 1, 0, 0, 0}}, {"sigma", 0.75}, {"held_by", "gps"}}};
+  }
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, HasSubstr("verdict good"));
+  EXPECT_THAT(page, HasSubstr("known from GPS, to 0.75\u00a0m"));
+  EXPECT_THAT(page, HasSubstr("sigma 0.75\u00a0m from GPS"));
 }
 
 TEST_F(HtmlReport, SaysWhereADroneMapIsNotJoined) {
