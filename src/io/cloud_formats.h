@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "planegraph/cloud/cloud.h"
+#include "planegraph/io/cloud_writer.h"
 
 // The readers of one format each. They take a file's whole content; `file` is its name for
 // messages. All throw InputError. The cloud may be empty where the data are (ReadCloud refuses
@@ -13,6 +14,8 @@
 namespace planegraph {
 
 Cloud ParsePly(std::string_view bytes, const std::string& file);
+/// The points of a merged map by their sources, as ReadMapPly says.
+MergedMap ParseMapPly(std::string_view bytes, const std::string& file);
 Cloud ParsePcd(std::string_view bytes, const std::string& file);
 /// XYZ, TXT, CSV: with the names of the columns in a first line, or told apart by their number.
 Cloud ParseXyz(std::string_view bytes, const std::string& file);

@@ -1,14 +1,12 @@
 #include "planegraph/pipeline/outputs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
+#include "pipeline/map_output.h"
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/parallel.h"
-#include "planegraph/evaluation/scan_merge.h"
-#include "planegraph/io/cloud_writer.h"
 #include "planegraph/io/g2o_io.h"
 #include "planegraph/segmentation/planes_json.h"
 #include "planegraph/solve/marginal_graph.h"
@@ -95,81 +93,6 @@ void WritePlaneFiles(const MapResult& result, const OutputOptions& options) {
   });
 }
 
-// Colours without a camera: the laser's intensity where there is one, else by height of the normal
-// and plane, so that walls, floors and clutter can be told apart.
-using Colour = std::array<std::uint8_t, 3>;
-Colour PlaneColour(int plane) {
-  if (plane < 0) return {150, 150, 150};
-  const double hue = std::fmod(0.618033988749895 * (plane + 1), 1.0) * 6.0;
-  const auto channel = [hue](double shift) {
-    const double k = std::fmod(shift + hue, 6.0);
-    const double v = 0.85 - 0.55 * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0);
-    return static_cast<std::uint8_t>(255.0 * v);
-  };
-  return {channel(5.0), channel(3.0), channel(1.0)};
-}
-
-// By plane + 1.
-std::vector<Colour> PlaneColours(const PlaneSet& set) {
-  std::vector<Colour> colours;
-  for (int p = -1; p < static_cast<int>(set.planes.size()); ++p) colours.push_back(PlaneColour(p));
-  return colours;
-}
-
-struct MapPoint {
-  Eigen::Vector3f position;
-  Colour colour;
-  std::int32_t plane;
-};
-
-// One scan's share of the map: thinned in its own frame, moved to the world.
-std::vector<MapPoint> MapPoints(const MapResult& result, std::size_t index,
-                                const Eigen::Vector3d& offset, double voxel) {
-  const ScanRecord& record = result.scans[index];
-  const Cloud cloud = LoadScan(result.site.robots[record.robot], record.index).cloud;
-  std::vector<std::uint32_t> kept;
-  if (voxel > 0) {
-    kept = FirstOfEachVoxel(cloud, voxel);
-  } else {
-    kept.resize(cloud.size());
-    for (std::uint32_t i = 0; i < kept.size(); ++i) kept[i] = i;
-  }
-  const Rigid3& pose = result.solution.world_from_scan[index];
-  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  const Eigen::Vector3d shift = pose.translation - offset;
-  const std::vector<Colour> plane_colours = PlaneColours(record.planes);
-  std::vector<MapPoint> points;
-  points.reserve(kept.size());
-  for (const std::uint32_t i : kept) {
-    const std::int32_t plane = i < record.labels.size() ? record.labels[i] : -1;
-    const Colour& colour = cloud.colors.empty() ? plane_colours[plane + 1] : cloud.colors[i];
-    points.push_back({(rotation * cloud.Position(i) + shift).cast<float>(), colour, plane});
-  }
-  return points;
-}
-
-void WriteMap(const MapResult& result, const OutputOptions& options) {
-  const Eigen::Vector3d offset =
-      result.solution.world_from_scan.front().translation.array().round();
-  MapPlyWriter writer(options.folder + "/map.ply", offset);
-  // A batch of scans at a time: as many as threads, whatever the size of the site.
-  const std::size_t batch = static_cast<std::size_t>(ResolveThreads(options.threads));
-  for (std::size_t first = 0; first < result.scans.size(); first += batch) {
-    const std::size_t count = std::min(batch, result.scans.size() - first);
-    std::vector<std::vector<MapPoint>> parts(count);
-    ParallelFor(count, options.threads, [&](std::size_t k) {
-      parts[k] = MapPoints(result, first + k, offset, options.map_voxel);
-    });
-    for (std::size_t k = 0; k < count; ++k) {
-      for (const MapPoint& p : parts[k]) {
-        writer.Add(p.position, p.colour, PointSource::kLaser, static_cast<std::int32_t>(first + k),
-                   p.plane);
-      }
-    }
-  }
-  writer.Commit();
-}
-
 }  // namespace
 
 void WriteOutputs(const MapResult& result, const OutputOptions& options) {
@@ -177,7 +100,7 @@ void WriteOutputs(const MapResult& result, const OutputOptions& options) {
   WriteTrajectories(result, options.folder);
   WriteGraph(result, options.folder + "/graph.g2o");
   WritePlaneFiles(result, options);
-  WriteMap(result, options);
+  WriteMapPly(result, options);
 }
 
 }  // namespace planegraph

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include "report/html.h"
 #include "report/marks_svg.h"
@@ -13,6 +14,7 @@ constexpr double kResidualLimits[] = {0.005, 0.010, 0.020};
 
 std::string EdgeClass(const Json& registration) {
   if (!FlagAt(registration, {"used"}).value_or(false)) return "unused";
+  if (TextAt(registration, {"kind"}) == "laser-map") return "em";  // another scale of residuals
   const auto rms = NumberAt(registration, {"rms"});
   if (!rms) return "e9";
   int k = 0;
@@ -25,29 +27,100 @@ std::string EdgeTitle(const Json& r) {
          ", residual " + FixedOrDash(NumberAt(r, {"rms"}), 1, 1000) + " mm";
 }
 
-// Scans that follow each other are joined by a line, others by an arc: edges along one line stay
-// apart.
-std::string EdgePath(const ReportScan& source, const ReportScan& target, const PlanFrame& frame) {
-  constexpr double kBend = 0.13;
-  const Eigen::Vector2d from = frame.Place(*source.position), to = frame.Place(*target.position);
-  const bool neighbours = std::abs(&source - &target) <= 1;
-  const Eigen::Vector2d along = to - from;
-  const double side = &source < &target ? 1.0 : -1.0;
-  const Eigen::Vector2d middle =
-      (from + to) / 2 + (neighbours ? 0.0 : side * kBend) * Eigen::Vector2d(-along.y(), along.x());
-  return "M" + Fixed(from.x(), 1) + " " + Fixed(from.y(), 1) + "Q" + Fixed(middle.x(), 1) + " " +
-         Fixed(middle.y(), 1) + " " + Fixed(to.x(), 1) + " " + Fixed(to.y(), 1);
+// A node of the graph as it is drawn.
+struct Node {
+  Eigen::Vector2d at;
+  std::ptrdiff_t order;  ///< of scans; nodes that follow each other are joined by a line
+};
+
+struct Nodes {
+  std::map<std::string, Node> scans, maps;
+
+  // Either may have the name: a map first, where the edge is one to a map.
+  const Node* Find(const std::string& id, bool map) const {
+    const auto& list = map ? maps : scans;
+    const auto found = list.find(id);
+    return found == list.end() ? nullptr : &found->second;
+  }
+};
+
+// Where on the frame's margin a node is farthest from those that are there.
+Eigen::Vector2d FreePlace(const PlanFrame& frame, const std::vector<Eigen::Vector2d>& taken) {
+  constexpr double kInset = 34;
+  const Eigen::Vector2d low(PlanFrame::kLeft + kInset, PlanFrame::kTop + kInset);
+  const Eigen::Vector2d size(frame.width() - 2 * kInset, frame.height() - 2 * kInset);
+  Eigen::Vector2d best = low;
+  double farthest = -1.0;
+  for (const double y : {0.0, 1.0, 0.5}) {
+    for (const double x : {0.5, 0.25, 0.75, 0.0, 1.0}) {
+      const Eigen::Vector2d place = low + size.cwiseProduct(Eigen::Vector2d(x, y));
+      double nearest = 1e9;
+      for (const Eigen::Vector2d& other : taken) {
+        nearest = std::min(nearest, (other - place).norm());
+      }
+      // Beyond some room the middle of an edge is as good as a corner.
+      nearest = std::min(nearest, 0.35 * frame.height());
+      if (nearest > farthest) farthest = nearest, best = place;
+    }
+  }
+  return best;
 }
 
-std::string EdgesSvg(const ReportData& data, const PlanFrame& frame, bool used) {
+Nodes PlaceNodes(const ReportData& data, const PlanFrame& frame) {
+  Nodes nodes;
+  std::vector<Eigen::Vector2d> taken;
+  for (std::size_t i = 0; i < data.scans.size(); ++i) {
+    if (!data.scans[i].position) continue;
+    taken.push_back(frame.Place(*data.scans[i].position));
+    nodes.scans.insert({data.scans[i].id, {taken.back(), static_cast<std::ptrdiff_t>(i)}});
+  }
+  for (const ReportMap& map : data.maps) {
+    taken.push_back(FreePlace(frame, taken));
+    nodes.maps.insert({map.id, {taken.back(), -1}});
+  }
+  return nodes;
+}
+
+// Scans that follow each other, and a scan and a map, are joined by a line, others by an arc: edges
+// along one line stay apart.
+std::string EdgePath(const Node& source, const Node& target, bool map) {
+  constexpr double kBend = 0.13;
+  const bool straight = map || std::abs(source.order - target.order) <= 1;
+  const Eigen::Vector2d along = target.at - source.at;
+  const double side = source.order < target.order ? 1.0 : -1.0;
+  const Eigen::Vector2d middle =
+      (source.at + target.at) / 2 +
+      (straight ? 0.0 : side * kBend) * Eigen::Vector2d(-along.y(), along.x());
+  return "M" + Fixed(source.at.x(), 1) + " " + Fixed(source.at.y(), 1) + "Q" +
+         Fixed(middle.x(), 1) + " " + Fixed(middle.y(), 1) + " " + Fixed(target.at.x(), 1) + " " +
+         Fixed(target.at.y(), 1);
+}
+
+std::string EdgesSvg(const ReportData& data, const Nodes& nodes, bool used) {
   std::string svg;
   for (const Json& r : ListAt(*data.json, {"registrations"})) {
     if (FlagAt(r, {"used"}).value_or(false) != used) continue;
-    const ReportScan* target = data.Find(TextAt(r, {"target"}));
-    const ReportScan* source = data.Find(TextAt(r, {"source"}));
-    if (!target || !source || !target->position || !source->position) continue;
-    svg += "<path class=\"edge " + EdgeClass(r) + "\" d=\"" + EdgePath(*source, *target, frame) +
+    const bool map = TextAt(r, {"kind"}) == "laser-map";
+    const Node* target = nodes.Find(TextAt(r, {"target"}), map);
+    const Node* source = nodes.Find(TextAt(r, {"source"}), false);
+    if (!target || !source) continue;
+    svg += "<path class=\"edge " + EdgeClass(r) + "\" d=\"" + EdgePath(*source, *target, map) +
            "\"><title>" + Escape(EdgeTitle(r)) + "</title></path>\n";
+  }
+  return svg;
+}
+
+std::string MapNodesSvg(const Nodes& nodes, const PlanFrame& frame) {
+  std::string svg;
+  for (const auto& [id, node] : nodes.maps) {
+    const bool left = node.at.x() < PlanFrame::kLeft + frame.width() / 2;
+    svg +=
+        "<rect class=\"drone\" x=\"-7\" y=\"-7\" width=\"14\" height=\"14\" "
+        "transform=\"translate(" +
+        Fixed(node.at.x(), 1) + " " + Fixed(node.at.y(), 1) + ") rotate(45)\"><title>" +
+        Escape(id) + "</title></rect>\n";
+    svg += SvgText(node.at + Eigen::Vector2d(left ? 15 : -15, 4),
+                   left ? " class=\"label\"" : " class=\"label\" text-anchor=\"end\"", id);
   }
   return svg;
 }
@@ -56,8 +129,14 @@ std::string EdgeKey(const std::string& style, const std::string& text) {
   return LegendItem("<path class=\"edge " + style + "\" d=\"M1 7H27\"/>", text);
 }
 
-std::string GraphLegend() {
-  return "<ul class=\"legend\">" + EdgeKey("e0", "used, residual up to 5 mm") +
+std::string GraphLegend(bool has_maps) {
+  const std::string map = LegendItem(
+      "<rect class=\"drone\" x=\"9\" y=\"2\" width=\"10\" height=\"10\" "
+      "transform=\"rotate(45 14 7)\"/>",
+      "drone map (placed where there is room)");
+  return "<ul class=\"legend\">" + (has_maps ? map + EdgeKey("em", "used, to a drone map") : "") +
+         EdgeKey("e0",
+                 has_maps ? "between scans, residual up to 5 mm" : "used, residual up to 5 mm") +
          EdgeKey("e1", "up to 10 mm") + EdgeKey("e2", "up to 20 mm") + EdgeKey("e3", "above") +
          EdgeKey("unused", "tried and not used") + "</ul>\n";
 }
@@ -99,11 +178,13 @@ std::string MapUnder(const PlanFrame& plan, const PlanFrame& frame) {
 std::string GraphHtml(const ReportData& data, const PlanFrame& plan) {
   constexpr double kHeight = 560;
   const PlanFrame frame(ViewOfScans(data, plan.view()), kHeight);
-  const std::string unused = EdgesSvg(data, frame, false), used = EdgesSvg(data, frame, true);
+  const Nodes nodes = PlaceNodes(data, frame);
+  const std::string unused = EdgesSvg(data, nodes, false), used = EdgesSvg(data, nodes, true);
   if (unused.empty() && used.empty()) return "";
-  return SvgOpen(frame, "The registrations between the scans") +
+  return SvgOpen(frame, "The registrations of the scans") +
          SvgClip(frame, "graph-frame", MapUnder(plan, frame)) + SvgAxes(frame) + unused + used +
-         MarksSvg(data, frame) + SvgClose() + GraphLegend();
+         MarksSvg(data, frame) + MapNodesSvg(nodes, frame) + SvgClose() +
+         GraphLegend(!data.maps.empty());
 }
 
 }  // namespace planegraph

@@ -4,7 +4,6 @@
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/error.h"
-#include "planegraph/io/cloud_io.h"
 #include "report/html.h"
 #include "report/plan_svg.h"
 #include "report/render.h"
@@ -27,10 +26,10 @@ Json ReadReport(const std::string& path) {
   }
 }
 
-Cloud ReadMap(const std::string& path) {
+MergedMap ReadMap(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return {};
-  return ReadPositions(path, "ply");
+  return ReadMapPly(path);
 }
 
 std::string Head(const std::string& name) {
@@ -49,20 +48,20 @@ std::string Footer(const Json& report) {
 
 }  // namespace
 
-std::string RenderReport(const Json& report, const Cloud& map) {
+std::string RenderReport(const Json& report, const MergedMap& map) {
   const ReportData data = ReadReportData(report);
-  const PlanFrame frame(ChooseView(map, data.Positions()));
+  const PlanFrame frame(ChooseView(map.laser, data.Positions()));
   return Head(TextAt(report, {"name"})) + HeaderHtml(data) + "<main>\n" +
          Section("Plan", FloorPlanHtml(data, map, frame)) + OpenDirectionsHtml(data) +
-         EvaluationHtml(data) + ScansHtml(data) +
+         MapsHtml(data) + EvaluationHtml(data) + ScansHtml(data) +
          Section("Registrations", GraphHtml(data, frame) + RegistrationsHtml(data)) +
-         MapsHtml(data) + TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) +
-         ConfigurationHtml(data) + "</div>\n" + "</main>\n" + Footer(report) + "</body>\n</html>\n";
+         TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) + ConfigurationHtml(data) +
+         "</div>\n" + "</main>\n" + Footer(report) + "</body>\n</html>\n";
 }
 
 void WriteHtmlReport(const std::string& folder) {
   const Json report = ReadReport(folder + "/report.json");
-  const Cloud map = ReadMap(folder + "/map.ply");
+  const MergedMap map = ReadMap(folder + "/map.ply");
   WriteTextFile(folder + "/report.html", RenderReport(report, map));
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/drone_photo.h"
 #include "report/html.h"
 #include "report/marks_svg.h"
 #include "report/svg.h"
@@ -91,20 +92,39 @@ std::string WaysSvg(const ReportData& data, const PlanFrame& frame) {
 
 // ---- the map's picture ----
 
-std::string MapSvg(const Cloud& map, const PlanFrame& frame) {
-  if (map.points.empty()) return "<g id=\"map\"></g>\n";
-  const FloorPlan plan = DrawFloorPlan(map, frame.view());
-  // The picture's last row and column may reach over the view by part of a pixel.
-  const Eigen::Vector2d page = frame.view().Extent();
-  const double pixel = PlanPixel(frame.view()) * frame.scale();
-  const double height = pixel * static_cast<double>(plan.image.height);
-  return "<g id=\"map\" class=\"map\"><image" + SvgNumber("x", PlanFrame::kLeft) +
-         SvgNumber("y", PlanFrame::kTop + page.y() * frame.scale() - height) +
-         SvgNumber("width", pixel * static_cast<double>(plan.image.width)) +
+// A picture whose pixels are `pixel` metres wide and begin at the lower left of the view: the last
+// row and column may reach over it by part of a pixel.
+std::string ImageSvg(const IndexedImage& image, const std::vector<Rgba>& palette, double pixel,
+                     const PlanFrame& frame) {
+  const double units = pixel * frame.scale();
+  const double height = units * static_cast<double>(image.height);
+  return "<image" + SvgNumber("x", PlanFrame::kLeft) +
+         SvgNumber("y", PlanFrame::kTop + frame.height() - height) +
+         SvgNumber("width", units * static_cast<double>(image.width)) +
          SvgNumber("height", height) +
          " preserveAspectRatio=\"none\" href=\"data:image/png;base64," +
-         Base64(EncodePng(plan.image, plan.palette)) + "\"/></g>\n";
+         Base64(EncodePng(image, palette)) + "\"/>";
 }
+
+std::string PhotoSvg(const Cloud& drone, const PlanFrame& frame) {
+  const DronePhoto photo = DrawDronePhoto(drone, frame.view());
+  if (photo.palette.empty()) return "";
+  return "<g class=\"photo\">" + ImageSvg(photo.image, photo.palette, photo.pixel, frame) +
+         "</g>\n";
+}
+
+std::string LaserSvg(const Cloud& laser, const PlanFrame& frame) {
+  if (laser.points.empty()) return "";
+  const FloorPlan plan = DrawFloorPlan(laser, frame.view());
+  return "<g class=\"map\">" + ImageSvg(plan.image, plan.palette, PlanPixel(frame.view()), frame) +
+         "</g>\n";
+}
+
+struct Pictures {
+  std::string photo, laser;  // SVG; empty where there are no points
+
+  std::string Svg() const { return "<g id=\"map\">" + photo + laser + "</g>\n"; }
+};
 
 // ---- legend ----
 
@@ -113,7 +133,8 @@ std::string MapKey(const std::string& style, const std::string& text) {
                     text);
 }
 
-std::string PlanLegend(const ReportData& data, bool has_map, bool has_open, double factor) {
+std::string PlanLegend(const ReportData& data, const Pictures& pictures, bool has_open,
+                       double factor) {
   std::string items;
   for (std::size_t robot = 0; robot < data.robots.size(); ++robot) {
     const std::string style = RobotClass(robot);
@@ -121,14 +142,15 @@ std::string PlanLegend(const ReportData& data, bool has_map, bool has_open, doub
                             style + "\" cx=\"14\" cy=\"7\" r=\"4.5\"/>",
                         "scans of " + TextOrDash(data.robots[robot]) + " and their numbers");
   }
-  if (has_map) {
+  if (!pictures.photo.empty()) items += MapKey("photo-key", Escape("the drone's map from above"));
+  if (!pictures.laser.empty()) {
     items += MapKey("upright", "upright, 0.3 to 1.8 m above the ground") +
              MapKey("high", "higher alone") + MapKey("seen", "seen");
   }
   if (factor > 0) {
-    items +=
-        LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",
-                   "1-sigma ellipse of the position, drawn " + Grouped(factor) + " times its size");
+    items += LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",
+                        "1-sigma ellipse of the position" +
+                            (factor > 1 ? ", drawn " + Grouped(factor) + " times its size" : ""));
   }
   if (has_open)
     items += LegendItem("<path class=\"open\" d=\"M1 7H27\"/>",
@@ -145,8 +167,9 @@ PlanFrame::PlanFrame(const PlanView& view, double most_height) : view_(view) {
   height_ = extent.y() * scale_;
 }
 
-std::string FloorPlanHtml(const ReportData& data, const Cloud& map, const PlanFrame& frame) {
-  if (data.Positions().empty() && map.points.empty()) return "";
+std::string FloorPlanHtml(const ReportData& data, const MergedMap& map, const PlanFrame& frame) {
+  if (data.Positions().empty() && map.laser.points.empty()) return "";
+  const Pictures pictures{PhotoSvg(map.vision, frame), LaserSvg(map.laser, frame)};
   const double factor = Exaggeration(data, frame);
   std::string ellipses, open;
   for (const ReportScan& scan : data.scans) {
@@ -154,10 +177,10 @@ std::string FloorPlanHtml(const ReportData& data, const Cloud& map, const PlanFr
     open += OpenDirectionsSvg(scan, frame);
   }
   return SvgOpen(frame, "The map from above with the scans' positions") +
-         SvgClip(frame, "plan-frame", MapSvg(map, frame)) + SvgAxes(frame) +
+         SvgClip(frame, "plan-frame", pictures.Svg()) + SvgAxes(frame) +
          SvgClip(frame, "plan-marks",
                  ellipses + WaysSvg(data, frame) + open + MarksSvg(data, frame)) +
-         SvgClose() + PlanLegend(data, !map.points.empty(), !open.empty(), factor);
+         SvgClose() + PlanLegend(data, pictures, !open.empty(), factor);
 }
 
 }  // namespace planegraph

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "planegraph/cloud/cloud.h"
+#include "planegraph/io/cloud_writer.h"
 #include "report/floor_plan.h"
 #include "report/report_data.h"
 
@@ -34,11 +34,11 @@ class PlanFrame {
 };
 
 /// The map from above with scale bar, axes, way, scans, open directions and uncertainty ellipses,
-/// with the legend. `map` may be empty.
-std::string FloorPlanHtml(const ReportData& data, const Cloud& map, const PlanFrame& frame);
+/// with the legend; what a drone saw is the ground that it is drawn on. `map` may be empty.
+std::string FloorPlanHtml(const ReportData& data, const MergedMap& map, const PlanFrame& frame);
 
-/// The scans as nodes and the registrations as edges, over the faint map of FloorPlanHtml on the
-/// same page, whose frame is `plan`.
+/// The scans and the drone maps as nodes and the registrations as edges, over the faint map of
+/// FloorPlanHtml on the same page, whose frame is `plan`.
 std::string GraphHtml(const ReportData& data, const PlanFrame& plan);
 
 }  // namespace planegraph

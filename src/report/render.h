@@ -2,12 +2,12 @@
 
 #include <string>
 
-#include "planegraph/cloud/cloud.h"
+#include "planegraph/io/cloud_writer.h"
 #include "report/json_access.h"
 
 namespace planegraph {
 
-/// The whole page. `map` may be empty.
-std::string RenderReport(const Json& report, const Cloud& map);
+/// The whole page. Both parts of `map` may be empty.
+std::string RenderReport(const Json& report, const MergedMap& map);
 
 }  // namespace planegraph

@@ -73,6 +73,14 @@ std::vector<Eigen::Vector3d> ReportData::Positions() const {
   return positions;
 }
 
+std::vector<std::string> AnchorsOf(const Json& scan) {
+  std::vector<std::string> names;
+  for (const Json& name : ListAt(scan, {"anchored_to"})) {
+    if (name.is_string()) names.push_back(name.get<std::string>());
+  }
+  return names;
+}
+
 ReportData ReadReportData(const Json& json) {
   ReportData data;
   data.json = &json;
@@ -85,6 +93,14 @@ ReportData ReadReportData(const Json& json) {
     scan.position = PositionOf(entry);
     scan.covariance = CovarianceOf(entry);
     data.scans.push_back(std::move(scan));
+  }
+  for (const Json& entry : ListAt(json, {"maps"})) {
+    ReportMap map{TextAt(entry, {"id"}), 0, &entry};
+    for (const ReportScan& scan : data.scans) {
+      const auto anchors = AnchorsOf(*scan.json);
+      map.anchored += std::find(anchors.begin(), anchors.end(), map.id) != anchors.end() ? 1 : 0;
+    }
+    data.maps.push_back(std::move(map));
   }
   return data;
 }
@@ -115,7 +131,8 @@ std::string HoldInWords(const OpenDirection& open) {
   constexpr double kDegrees = 180.0 / M_PI;
   const std::string sigma = open.is_rotation ? Significant(*open.sigma * kDegrees, 2) + "°"
                                              : Significant(*open.sigma, 2) + "\u00a0m";
-  return "sigma " + sigma + (open.held_by.empty() ? "" : " from " + Escape(open.held_by));
+  const std::string holder = open.held_by == "gps" ? "GPS" : Escape(open.held_by);
+  return "sigma " + sigma + (holder.empty() ? "" : " from " + holder);
 }
 
 Weakest WeakestAxis(const Matrix6& covariance, int first) {

@@ -20,6 +20,13 @@ struct ReportScan {
   const Json* json = nullptr;
 };
 
+/// The same of a drone map.
+struct ReportMap {
+  std::string id;
+  std::size_t anchored = 0;  ///< scans that are
+  const Json* json = nullptr;
+};
+
 /// What the planes leave open, as report.json says it.
 struct OpenDirection {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
@@ -32,12 +39,16 @@ struct OpenDirection {
 struct ReportData {
   const Json* json = nullptr;
   std::vector<ReportScan> scans;
+  std::vector<ReportMap> maps;
   std::vector<std::string> robots;
 
   /// The scan of that id, or null.
   const ReportScan* Find(const std::string& id) const;
   std::vector<Eigen::Vector3d> Positions() const;
 };
+
+/// The maps that a scan is anchored to.
+std::vector<std::string> AnchorsOf(const Json& scan);
 
 ReportData ReadReportData(const Json& json);
 

@@ -67,8 +67,8 @@ std::vector<Stage> Stages(const Json& json) {
   const Json& list = Get(json, {"stage_seconds"});
   if (!list.is_object()) return stages;
   // Known stages in the order in which they run, then any other.
-  const std::vector<std::string> order = {"front_end", "registration", "solve", "covariance",
-                                          "output"};
+  const std::vector<std::string> order = {"front_end", "maps",       "registration", "placing",
+                                          "solve",     "covariance", "output"};
   for (const std::string& name : order) {
     const auto seconds = NumberAt(list, {name.c_str()});
     if (seconds) stages.push_back({name, std::max(0.0, *seconds)});
@@ -93,7 +93,7 @@ std::string BarHtml(const std::vector<Stage>& stages, double total) {
   double at = 0.0;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const double width = 1000.0 * stages[i].seconds / total;
-    svg += "<rect class=\"s" + std::to_string(i % 6) + "\" x=\"" + Fixed(at, 1) +
+    svg += "<rect class=\"s" + std::to_string(i % 7) + "\" x=\"" + Fixed(at, 1) +
            "\" y=\"0\" width=\"" + Fixed(width, 1) + "\" height=\"28\"><title>" +
            StageName(stages[i].name) + "</title></rect>\n";
     at += width;
@@ -105,7 +105,7 @@ std::string BarLegend(const std::vector<Stage>& stages, double total) {
   std::string items;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     items += "<li><svg class=\"key\" viewBox=\"0 0 28 14\"><rect class=\"s" +
-             std::to_string(i % 6) + "\" x=\"4\" y=\"1\" width=\"20\" height=\"12\"/></svg>" +
+             std::to_string(i % 7) + "\" x=\"4\" y=\"1\" width=\"20\" height=\"12\"/></svg>" +
              StageName(stages[i].name) + " " + Fixed(stages[i].seconds, 3) + " s (" +
              Fixed(100.0 * stages[i].seconds / total, 0) + " %)</li>";
   }
@@ -141,19 +141,6 @@ std::string CommandText(const Json& stamp) {
 }
 
 }  // namespace
-
-std::string MapsHtml(const ReportData& data) {
-  HtmlTable table(
-      {{"map", "", false}, {"position x, y, z", "m"}, {"scale", ""}, {"sigma of the scale", ""}});
-  for (const Json& map : ListAt(*data.json, {"maps"})) {
-    const auto p = VectorAt(map, {"world_from_map", "translation"});
-    table.Row({TextOrDash(TextAt(map, {"id"})),
-               p ? Fixed(p->x(), 2) + ", " + Fixed(p->y(), 2) + ", " + Fixed(p->z(), 2) : kDash,
-               SignificantOrDash(NumberAt(map, {"world_from_map", "scale"}), 6),
-               SignificantOrDash(NumberAt(map, {"sigma_scale"}), 2)});
-  }
-  return Section("Drone maps", table.Html("Table of the maps"));
-}
 
 std::string EvaluationHtml(const ReportData& data) {
   HtmlTable table({{"robot", "", false},

@@ -58,7 +58,12 @@ std::string SigmaText(const ReportScan& scan, int first, double factor, int deci
 
 bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
 
-std::string WeakestText(const ReportScan& scan) {
+// Covariances are relative to a fixed scan; where GPS holds all scans, there is none.
+bool HasFixed(const ReportData& data) {
+  return std::any_of(data.scans.begin(), data.scans.end(), IsFixed);
+}
+
+std::string WeakestText(const ReportScan& scan, bool has_fixed) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
   if (IsFixed(scan)) return "fixed: the world's frame";
@@ -66,7 +71,8 @@ std::string WeakestText(const ReportScan& scan) {
   const Weakest weakest = WeakestAxis(*scan.covariance, 0);
   OpenDirection words;
   words.axis = weakest.axis;
-  return InWords(words) + ", held by planes";
+  // In the world's frame GPS has its share in every direction.
+  return InWords(words) + (has_fixed ? ", held by planes" : "");
 }
 
 std::string SecondsText(const Json& scan) {
@@ -80,14 +86,25 @@ std::string SecondsText(const Json& scan) {
   return any ? Fixed(sum, 3) : kDash;
 }
 
-void AddScan(const ReportScan& scan, HtmlTable* table) {
+std::string AnchorsText(const Json& scan) {
+  std::string text;
+  for (const std::string& name : AnchorsOf(scan)) text += (text.empty() ? "" : ", ") + Escape(name);
+  return text.empty() ? kDash : text;
+}
+
+void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* table) {
   const Json& json = *scan.json;
-  table->Row(
-      {TextOrDash(scan.id), GroupedOrDash(NumberAt(json, {"points"})),
-       GroupedOrDash(NumberAt(json, {"points_filtered"})),
-       GroupedOrDash(NumberAt(json, {"planes"})), PositionText(scan), SigmaText(scan, 0, 1000.0, 1),
-       SigmaText(scan, 3, kDegrees, 3), SecondsText(json), WeakestText(scan)},
-      OpenDirections(json).empty() ? "" : "weak");
+  std::vector<std::string> cells = {TextOrDash(scan.id),
+                                    GroupedOrDash(NumberAt(json, {"points"})),
+                                    GroupedOrDash(NumberAt(json, {"points_filtered"})),
+                                    GroupedOrDash(NumberAt(json, {"planes"})),
+                                    PositionText(scan),
+                                    SigmaText(scan, 0, 1000.0, 1),
+                                    SigmaText(scan, 3, kDegrees, 3),
+                                    SecondsText(json),
+                                    WeakestText(scan, has_fixed)};
+  if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
+  table->Row(cells, OpenDirections(json).empty() ? "" : "weak");
 }
 
 // ---- registrations ----
@@ -140,20 +157,25 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  HtmlTable table({{"scan", "", false},
-                   {"points", ""},
-                   {"after filters", ""},
-                   {"planes", ""},
-                   {"position x, y, z", "m"},
-                   {"sigma", "mm"},
-                   {"sigma", "deg"},
-                   {"time", "s"},
-                   {"weakest direction, and what holds it", "", false}});
-  for (const ReportScan& scan : data.scans) AddScan(scan, &table);
+  const bool has_maps = !data.maps.empty(), has_fixed = HasFixed(data);
+  std::vector<HtmlColumn> columns = {{"scan", "", false},
+                                     {"points", ""},
+                                     {"after filters", ""},
+                                     {"planes", ""},
+                                     {"position x, y, z", "m"},
+                                     {"sigma", "mm"},
+                                     {"sigma", "deg"},
+                                     {"time", "s"},
+                                     {"weakest direction, and what holds it", "", false}};
+  if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
+  HtmlTable table(std::move(columns));
+  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, has_fixed, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
                  "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
-                 "rotation about its weakest axis, relative to the fixed scan.</p>\n" +
+                 "rotation about its weakest axis, " +
+                     std::string(has_fixed ? "relative to the fixed scan" : "in the world frame") +
+                     ".</p>\n" +
                      table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
 }
 

@@ -85,13 +85,15 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .scan { fill: var(--robot); stroke: var(--halo); stroke-width: 1.4; }
 .sigma { fill: var(--robot); fill-opacity: .2; stroke: var(--robot); stroke-width: 1; }
 .open { stroke: #d1242f; stroke-width: 2; stroke-dasharray: 6 4; }
+.photo { opacity: .55; } .photo-key { fill: #8f9a76; opacity: .7; }
 .upright { fill: var(--upright); } .high { fill: var(--high); } .seen { fill: var(--seen); }
 .edge { fill: none; stroke-width: 2; }
 .e0 { stroke: #1a9850; } .e1 { stroke: #4f9bd9; } .e2 { stroke: #e08214; } .e3 { stroke: #d1242f; }
-.e9 { stroke: var(--quiet); }
+.em { stroke: #8a63d2; } .e9 { stroke: var(--quiet); }
+.drone { fill: var(--page); stroke: var(--text); stroke-width: 2; }
 .unused.edge { stroke: #9aa0a8; stroke-width: 1.3; stroke-dasharray: 3 4; }
 .s0 { fill: #4f7cac; } .s1 { fill: #e0a458; } .s2 { fill: #6a994e; } .s3 { fill: #a06cd5; }
-.s4 { fill: #c8553d; } .s5 { fill: #7d8491; }
+.s4 { fill: #c8553d; } .s5 { fill: #7d8491; } .s6 { fill: #c9ada7; }
 @media (max-width: 40rem) {
   body { padding: .7rem; } h1 { font-size: 1.45rem; }
   .figures { grid-template-columns: repeat(2, 1fr); } svg.plan { font-size: 19px; }

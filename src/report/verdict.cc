@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -69,24 +70,58 @@ Verdict JoinedVerdict(const ReportData& data) {
                            std::to_string(*components) + SizesText(data)};
 }
 
+// "4 of them are anchored to the drone map uav1, whose scale is 8.507 m per unit ± 0.20 %".
+void AddMaps(const ReportData& data, Verdict* verdict) {
+  for (const ReportMap& map : data.maps) {
+    const std::string name = "the drone map " + TextOrDash(map.id);
+    if (map.anchored == 0) {
+      if (verdict->level == Level::kGood) verdict->level = Level::kFair;
+      verdict->sentence += "; none is anchored to " + name;
+      continue;
+    }
+    const auto scale = NumberAt(*map.json, {"world_from_map", "scale"});
+    const auto sigma = NumberAt(*map.json, {"sigma_scale"});
+    verdict->sentence += "; " + Grouped(static_cast<double>(map.anchored)) +
+                         (map.anchored == 1 ? " is" : " are") + " anchored to " + name;
+    if (!scale) continue;
+    verdict->sentence += ", whose scale is " + Significant(*scale, 5) + "\u00a0m per unit";
+    if (sigma) verdict->sentence += " ± " + Significant(100.0 * *sigma, 2) + "\u00a0%";
+  }
+}
+
 std::string Listed(const std::set<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " and ") + Escape(name);
   return text;
 }
 
+// What GPS alone holds is no weakness: nothing else knows where in the world a site lies.
+bool IsPlaceInWorld(const OpenDirection& open) {
+  return open.held_by == "gps" && open.sigma && !open.is_rotation;
+}
+
+std::string PlaceInWorld(double sigma) {
+  return "; where in the world they lie is known from GPS, to " + Significant(sigma, 2) + "\u00a0m";
+}
+
 void AddOpenDirections(const ReportData& data, Verdict* verdict) {
   std::size_t held = 0, free = 0;
+  double by_gps = 0.0;
   std::set<std::string> holders;
   for (const ReportScan& scan : data.scans) {
     bool is_free = false;
-    const auto directions = OpenDirections(*scan.json);
+    auto directions = OpenDirections(*scan.json);
+    for (const OpenDirection& open : directions) {
+      if (IsPlaceInWorld(open)) by_gps = std::max(by_gps, *open.sigma);
+    }
+    std::erase_if(directions, IsPlaceInWorld);
     for (const OpenDirection& open : directions) {
       is_free |= !open.sigma || open.held_by.empty();
       if (!open.held_by.empty()) holders.insert(open.held_by);
     }
     if (!directions.empty()) ++(is_free ? free : held);
   }
+  if (by_gps > 0.0) verdict->sentence += PlaceInWorld(by_gps);
   if (held + free == 0) return;
   if (verdict->level == Level::kGood) verdict->level = Level::kFair;
   if (held > 0) {
@@ -98,6 +133,7 @@ void AddOpenDirections(const ReportData& data, Verdict* verdict) {
 
 Verdict Judge(const ReportData& data) {
   Verdict verdict = JoinedVerdict(data);
+  AddMaps(data, &verdict);
   AddOpenDirections(data, &verdict);
   if (!FlagAt(*data.json, {"solve", "converged"}).value_or(true)) {
     verdict.level = Level::kBad;
@@ -136,6 +172,12 @@ std::string SumText(const ReportData& data, const char* key) {
   return any ? Grouped(sum) : kDash;
 }
 
+std::string MapFigures(const ReportData& data) {
+  double points = 0;
+  for (const ReportMap& map : data.maps) points += NumberAt(*map.json, {"points"}).value_or(0.0);
+  return points > 0 ? Figure(Grouped(points), "", "points of the drone") : "";
+}
+
 std::string AteFigures(const ReportData& data) {
   std::string html;
   const Json& evaluation = Get(*data.json, {"evaluation"});
@@ -152,7 +194,8 @@ std::string FiguresHtml(const ReportData& data) {
   const std::size_t tried = ListAt(json, {"registrations"}).size();
   std::string html = "<div class=\"figures\">\n";
   html += Figure(Grouped(static_cast<double>(data.scans.size())), "", "scans");
-  html += Figure(SumText(data, "points"), "", "points");
+  html += Figure(SumText(data, "points"), "", "points of the scans");
+  html += MapFigures(data);
   html += Figure(SumText(data, "planes"), "", "planes of the scans");
   html += Figure(Grouped(static_cast<double>(UsedRegistrations(json))) + " / " +
                      Grouped(static_cast<double>(tried)),

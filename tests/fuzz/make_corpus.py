@@ -29,6 +29,8 @@ write("ply", "big_double", ply(BIG, "comment viewpoint 1 2 3\nelement vertex 1\n
                                "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\n",
                                struct.pack(">3d3fH", 4e5, 5e6, 100, 0, 0, 1, 7)))
 write("ply", "face_first", ply(LITTLE, f"{FACE}element vertex 1\n{XYZ}", struct.pack("<B3i3f", 3, 0, 1, 2, 1, 2, 3)))
+write("ply", "map", ply(LITTLE, f"comment offset 1 2 3\nelement vertex 2\n{XYZ}{RGB}property uchar source\nproperty int scan\nproperty int plane\n",
+                         struct.pack("<3f4B2i3f4B2i", 1, 2, 3, 4, 5, 6, 0, 7, -1, 1, 2, 3, 4, 5, 6, 1, -1, 8)))
 write("ply", "list_inside", ply(LITTLE, f"element vertex 1\nproperty list int double w\n{XYZ}", struct.pack("<id3f", 1, 9, 1, 2, 3)))
 
 

@@ -3,6 +3,11 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace planegraph;
+  FuzzReader(data, size, [](std::string_view bytes) {
+    const MergedMap map = ParseMapPly(bytes, "fuzz");
+    CheckCloud(map.laser);
+    CheckCloud(map.vision);
+  });
   return FuzzReader(data, size,
                     [](std::string_view bytes) { CheckCloud(ParsePly(bytes, "fuzz")); });
 }

@@ -138,6 +138,35 @@ TEST_F(CloudIo, MapPlyIsReadBack) {
             std::string(1, '\1') + Bytes<std::int32_t>(139999) + Bytes<std::int32_t>(-1));
 }
 
+TEST_F(CloudIo, MapPlyIsReadBackBySources) {
+  const Cloud cloud = RandomCloud(100, true);
+  MapPlyWriter writer(Path("map.ply"), cloud.offset);
+  std::vector<std::uint32_t> laser, vision;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    const bool is_vision = i % 3 == 1;
+    (is_vision ? vision : laser).push_back(i);
+    writer.Add(cloud.points[i], cloud.colors[i],
+               is_vision ? PointSource::kVision : PointSource::kLaser, 0, 0);
+  }
+  writer.Commit();
+  const MergedMap map = ReadMapPly(Path("map.ply"));
+  EXPECT_EQ(map.laser.points, Select(cloud, laser).points);
+  EXPECT_EQ(map.vision.points, Select(cloud, vision).points);
+  EXPECT_EQ(map.vision.colors, Select(cloud, vision).colors);
+}
+
+TEST_F(CloudIo, PointsOfAnyOtherPlyAreTheLasers) {
+  const Cloud cloud = RandomCloud(10, true);
+  WriteCloud(Path("a.ply"), cloud);
+  EXPECT_EQ(ReadMapPly(Path("a.ply")).laser.points, cloud.points);
+  EXPECT_EQ(ReadMapPly(Path("a.ply")).vision.size(), 0u);
+  Write("ascii.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nproperty uchar source\nend_header\n1 2 3 1\n");
+  EXPECT_EQ(ReadMapPly(Path("ascii.ply")).laser.size(), 1u);
+  EXPECT_THROW(ReadMapPly(Write("bad.ply", "ply\nformat ascii 1.0\n")), InputError);
+}
+
 TEST_F(CloudIo, UncommittedMapLeavesNothing) {
   {
     MapPlyWriter writer(Path("map.ply"), Eigen::Vector3d::Zero());

@@ -7,6 +7,7 @@
 
 #include "io/test_files.h"
 #include "planegraph/io/cloud_io.h"
+#include "planegraph/io/cloud_writer.h"
 #include "report/html_checker.h"
 #include "report/png_reader.h"
 #include "report/render.h"
@@ -32,7 +33,7 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
   WriteMap();
   const std::string page = ReportOf(SampleReport().dump());
   EXPECT_EQ(FirstFault(page), "");
-  EXPECT_THAT(page, HasSubstr("All 3 scans joined in one component by 1 registration;"));
+  EXPECT_THAT(page, HasSubstr("All 3 scans joined in one component by 2 registrations;"));
   EXPECT_THAT(page, HasSubstr("nothing holds a direction of 1 scan"));
   EXPECT_THAT(page, HasSubstr("translation along (1.00, 0.00, 0.00): not observed by the planes, "
                               "sigma 0.60\u00a0m from odometry"));
@@ -47,6 +48,76 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
   EXPECT_THAT(page, HasSubstr("alignment first"));
   EXPECT_THAT(page, HasSubstr("cauchy:2.4"));
   EXPECT_THAT(page, HasSubstr("huber:1"));
+}
+
+TEST_F(HtmlReport, ShowsTheDroneMap) {
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page,
+              HasSubstr("1 is anchored to the drone map uav, whose scale is 2.5000\u00a0m per "
+                        "unit ± 0.20\u00a0%"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.50000 ± 0.20\u00a0%</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.45000 ± 1.1\u00a0%</td>"));  // by GPS
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">+2.04</td>"));                 // 2.5 / 2.45
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">130 / 133</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">2.75</td>"));  // rms of the fixes, m
+  EXPECT_THAT(page, HasSubstr("latitude 51.4880000°, longitude 7.4930000°, altitude 115.00"));
+  EXPECT_THAT(page, HasSubstr("not enough overlap: the map confirms 0 % of the surfaces"));
+  EXPECT_THAT(page, HasSubstr("<path class=\"edge em\""));
+  EXPECT_THAT(page, HasSubstr("<title>ugv/000 to uav: ok, residual 17.3 mm</title>"));
+  EXPECT_THAT(page, HasSubstr("<title>uav</title>"));
+  EXPECT_LT(page.find("maps 0.400 s"), page.find("placing 0.200 s"));
+  EXPECT_LT(page.find("placing 0.200 s"), page.find("solve 0.250 s"));
+}
+
+TEST_F(HtmlReport, APlaceByGpsIsNoWeakness) {
+  nlohmann::json report = SampleReport();
+  for (auto& scan : report["scans"]) {
+    scan["unobserved"] = {{{"direction", {0, 0, 1, 0, 0, 0}}, {"sigma", 0.75}, {"held_by", "gps"}}};
+  }
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, HasSubstr("verdict good"));
+  EXPECT_THAT(page, HasSubstr("known from GPS, to 0.75\u00a0m"));
+  EXPECT_THAT(page, HasSubstr("sigma 0.75\u00a0m from GPS"));
+}
+
+TEST_F(HtmlReport, SaysWhereADroneMapIsNotJoined) {
+  nlohmann::json report = SampleReport();
+  report["scans"][0]["anchored_to"] = nlohmann::json::array();
+  report["maps"][0]["georeference"] = {{"status", "degenerate"}, {"reason", "a <straight> line"}};
+  const std::string page = ReportOf(report.dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, HasSubstr("none is anchored to the drone map uav"));
+  EXPECT_THAT(page, HasSubstr("no place by GPS: a &lt;straight&gt; line; not in map.ply"));
+}
+
+TEST_F(HtmlReport, WithoutDroneMapsNothingIsSaidOfThem) {
+  nlohmann::json report = SampleReport();
+  report["maps"] = nlohmann::json::array();
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, Not(HasSubstr("rone map")));
+  EXPECT_THAT(page, Not(HasSubstr("in the map")));
+}
+
+TEST_F(HtmlReport, ShowsTheDronesPointsUnderTheLasers) {
+  const auto write = [&](bool drone) {
+    MapPlyWriter writer(Path("map.ply"), Eigen::Vector3d::Zero());
+    for (const auto& point : RoomCloud().points) {
+      writer.Add(point, {90, 90, 90}, PointSource::kLaser, 0, -1);
+      if (drone) writer.Add(point, {30, 120, 40}, PointSource::kVision, -1, -1);
+    }
+    writer.Commit();
+  };
+  write(true);
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_EQ(FirstFault(page), "");
+  const std::size_t photo = page.find("<g class=\"photo\"><image"),
+                    laser = page.find("<g class=\"map\">");
+  EXPECT_NE(photo, std::string::npos);
+  EXPECT_LT(photo, laser);
+  EXPECT_THAT(page, HasSubstr("the drone&#39;s map from above"));
+  write(false);
+  EXPECT_THAT(ReportOf(SampleReport().dump()), Not(HasSubstr("<g class=\"photo\">")));
 }
 
 TEST_F(HtmlReport, EqualInputGivesEqualBytes) {
@@ -167,7 +238,7 @@ TEST_F(HtmlReport, LongTablesFoldUp) {
   const std::string few = ReportOf(report.dump());
   EXPECT_THAT(few, Not(HasSubstr("Table of all")));
   for (int i = 0; i < 20; ++i) report["registrations"].push_back(report["registrations"][0]);
-  EXPECT_THAT(ReportOf(report.dump()), HasSubstr("<summary>Table of all 22 registrations"));
+  EXPECT_THAT(ReportOf(report.dump()), HasSubstr("<summary>Table of all 24 registrations"));
 }
 
 TEST_F(HtmlReport, BadFilesAreNamed) {

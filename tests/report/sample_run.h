@@ -7,7 +7,7 @@
 
 namespace planegraph {
 
-/// A run with what a report can hold: two robots, a fixed scan, an open direction, an unused
+/// A run with what a report can hold: two robots, a drone map, a fixed scan, an open direction, an unused
 /// registration, errors against a reference.
 inline nlohmann::json SampleReport() {
   return nlohmann::json::parse(R"json({
@@ -17,7 +17,7 @@ inline nlohmann::json SampleReport() {
        "seconds": {"read": 0.01, "preprocess": 0.02, "segment": 0.03},
        "world_from_scan": {"translation": [0, 0, 0], "rotation": [0, 0, 0, 1]},
        "covariance": [[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0]],
-       "unobserved": []},
+       "unobserved": [], "anchored_to": ["uav"]},
       {"id": "ugv/001", "points": 1000, "points_filtered": 900, "planes": 30, "component": 0,
        "seconds": {"read": 0.01, "preprocess": 0.02, "segment": 0.04},
        "world_from_scan": {"translation": [4, 3, 0.1], "rotation": [0, 0, 0, 1]},
@@ -35,9 +35,18 @@ inline nlohmann::json SampleReport() {
        "correspondences": 12, "rms": 0.0042, "quality": 0.91, "used": true, "seconds": 0.01},
       {"target": "ugv/000", "source": "cart/000", "kind": "laser-laser", "status": "ambiguous",
        "reason": "two poses explain the planes", "correspondences": 5, "rms": 0.03, "quality": 0.2,
-       "used": false, "seconds": 0.02}],
-    "maps": [{"id": "uav", "world_from_map": {"translation": [1, 2, 3], "rotation": [0, 0, 0, 1],
-              "scale": 2.5}, "sigma_scale": 0.01}],
+       "used": false, "seconds": 0.02},
+      {"target": "uav", "source": "ugv/000", "kind": "laser-map", "status": "ok", "reason": "",
+       "correspondences": 21, "rms": 0.0173, "quality": 0.5, "used": true, "seconds": 0.03},
+      {"target": "uav", "source": "ugv/001", "kind": "laser-map", "status": "failed",
+       "reason": "not enough overlap: the map confirms 0 % of the surfaces", "correspondences": 0,
+       "rms": null, "quality": 0, "used": false, "seconds": 0.01}],
+    "origin": {"lat": 51.488, "lon": 7.493, "alt": 115},
+    "maps": [{"id": "uav", "points": 660000, "planes": 1027, "noise": {"constant": 0.0228},
+              "world_from_map": {"translation": [1, 2, 3], "rotation": [0, 0, 0, 1],
+              "scale": 2.5}, "sigma_scale": 0.002,
+              "georeference": {"status": "ok", "reason": "", "scale": 2.45, "sigma_scale": 0.011,
+                               "rms": 2.749, "inliers": 130, "fixes": 133}}],
     "solve": {"optimizer": "graph", "plane_factor": "moments", "loss": "cauchy:2.4",
               "initial_cost": 100.5, "final_cost": 10.25, "iterations": 7, "rounds": 2,
               "converged": true, "floor_offset": 0.002, "floor_tilt": 0.0005, "seconds": 0.1},
@@ -48,7 +57,7 @@ inline nlohmann::json SampleReport() {
       "rpe": {"rmse": 0.02, "mean": 0.02, "median": 0.02, "max": 0.02,
               "rotation": {"rmse": 0.01, "max": 0.01}, "count": 1, "delta": 1,
               "delta_unit": "frames", "pairs": "consecutive", "pairs_from": "reference"}}},
-    "stage_seconds": {"front_end": 0.5, "solve": 0.25},
+    "stage_seconds": {"solve": 0.25, "front_end": 0.5, "maps": 0.4, "placing": 0.2},
     "planegraph": {"version": "0.1.0", "commit": "abc", "command": "planegraph map site.yaml",
                    "flags": {"loss": "huber:1"}, "seed": 3}
   })json");

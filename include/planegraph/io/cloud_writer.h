@@ -8,6 +8,7 @@
 #include <string>
 
 #include "planegraph/base/atomic_file.h"
+#include "planegraph/cloud/cloud.h"
 
 namespace planegraph {
 
@@ -54,5 +55,14 @@ class MapPlyWriter {
   std::size_t filled_ = 0;
   std::uint64_t flushed_ = 0;
 };
+
+/// A merged map by where its points come from.
+struct MergedMap {
+  Cloud laser, vision;
+};
+
+/// Reads map.ply back. Points of a PLY that does not say where they come from are the laser's.
+/// Throws InputError.
+MergedMap ReadMapPly(const std::string& path);
 
 }  // namespace planegraph

@@ -1,0 +1,97 @@
+#include "pipeline/map_colours.h"
+
+#include <algorithm>
+
+namespace planegraph {
+namespace {
+
+constexpr double kMostCells = 1 << 20;  // from the origin along an axis: 21 bits of a key
+constexpr std::uint64_t kNone = ~0ull;
+constexpr std::uint32_t kEnoughPoints = 1 << 16;  // for a mean; the sums stay within 32 bits
+
+std::uint64_t Mix(std::uint64_t key) {
+  key *= 0x9e3779b97f4a7c15ull;
+  return key ^ (key >> 32);
+}
+
+// The segmentation's finest cells hold about nine points each, which is three spacings an edge.
+double VoxelOf(const PlaneSet& planes) {
+  constexpr double kWithoutPatches = 0.2;
+  double finest = planes.patches.empty() ? kWithoutPatches : planes.patches.front().size;
+  for (const Patch& patch : planes.patches) finest = std::min(finest, patch.size);
+  return finest;
+}
+
+}  // namespace
+
+VoxelColours::VoxelColours(const Cloud& cloud, double voxel) : voxel_(voxel), slots_(1 << 12) {
+  for (std::size_t i = 0; i < cloud.colors.size(); ++i) {
+    const std::uint64_t key = KeyOf(cloud.Position(i));
+    if (key == kNone) continue;
+    Slot& slot = SlotOf(key);
+    if (slot.count == kEnoughPoints) continue;
+    ++slot.count;
+    for (int c = 0; c < 3; ++c) slot.sum[c] += cloud.colors[i][c];
+    if (2 * voxels_ > slots_.size()) Grow();
+  }
+}
+
+std::uint64_t VoxelColours::KeyOf(const Eigen::Vector3d& point) const {
+  const Eigen::Array3d cell = (point / voxel_).array().floor();
+  if (!(cell.abs() < kMostCells).all()) return kNone;
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    key = (key << 21) | static_cast<std::uint64_t>(cell[axis] + kMostCells);
+  }
+  return key;
+}
+
+VoxelColours::Slot& VoxelColours::SlotOf(std::uint64_t key) {
+  const std::uint64_t mask = slots_.size() - 1;
+  std::uint64_t at = Mix(key) & mask;
+  while (slots_[at].key != kNone && slots_[at].key != key) at = (at + 1) & mask;
+  if (slots_[at].key == kNone) ++voxels_;
+  slots_[at].key = key;
+  return slots_[at];
+}
+
+void VoxelColours::Grow() {
+  std::vector<Slot> old(2 * slots_.size());
+  old.swap(slots_);
+  voxels_ = 0;
+  for (const Slot& slot : old) {
+    if (slot.key != kNone) SlotOf(slot.key) = slot;
+  }
+}
+
+std::optional<Rgb> VoxelColours::At(const Eigen::Vector3d& point) const {
+  const std::uint64_t key = KeyOf(point);
+  if (key == kNone) return std::nullopt;
+  const std::uint64_t mask = slots_.size() - 1;
+  std::uint64_t at = Mix(key) & mask;
+  while (slots_[at].key != kNone && slots_[at].key != key) at = (at + 1) & mask;
+  const Slot& slot = slots_[at];
+  if (slot.key == kNone) return std::nullopt;
+  Rgb mean;
+  for (int c = 0; c < 3; ++c) {
+    mean[c] = static_cast<std::uint8_t>((slot.sum[c] + slot.count / 2) / slot.count);
+  }
+  return mean;
+}
+
+MapColours::MapColours(const Cloud& cloud, const PlaneSet& planes, double gate)
+    : voxels_(cloud, VoxelOf(planes)), surfaces_(MakeSurfels(planes)), gate_(gate) {}
+
+std::optional<Rgb> MapColours::OnPlane(const Eigen::Vector3d& point,
+                                       const Eigen::Vector3d& normal) const {
+  constexpr double kLeastCosine = 0.8;
+  const int found = surfaces_.Find(point, normal, gate_, kLeastCosine);
+  if (found < 0) return std::nullopt;
+  // The map's points lie on the map's surface, by its error off the laser's.
+  const Surfel& surfel = surfaces_.surfels()[static_cast<std::size_t>(found)];
+  const double height = surfel.normal.dot(point - surfel.mean);
+  const auto colour = voxels_.At(point - height * surfel.normal);
+  return colour ? colour : voxels_.At(point);
+}
+
+}  // namespace planegraph

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "planegraph/cloud/cloud.h"
+#include "planegraph/correspondence/patch_map.h"
+
+namespace planegraph {
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// Mean colours of a cloud by voxels: what is left of a drone's points once they are let go. Frame
+/// and unit are the cloud's.
+class VoxelColours {
+ public:
+  /// `voxel`: edge, metres. A cloud without colours leaves nothing.
+  VoxelColours(const Cloud& cloud, double voxel);
+
+  bool empty() const { return voxels_ == 0; }
+  std::size_t voxels() const { return voxels_; }
+  /// The mean colour of the voxel that the point is in; nothing where it holds no points.
+  std::optional<Rgb> At(const Eigen::Vector3d& point) const;
+
+ private:
+  struct Slot {
+    std::uint64_t key = ~0ull;
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, 3> sum{};
+  };
+  std::uint64_t KeyOf(const Eigen::Vector3d& point) const;
+  Slot& SlotOf(std::uint64_t key);
+  void Grow();
+
+  double voxel_;
+  std::size_t voxels_ = 0;
+  std::vector<Slot> slots_;  // a power of two, at most half full
+};
+
+/// The colours that a drone map lends to laser points that lie on what it saw.
+class MapColours {
+ public:
+  /// `cloud` is the map's, in the frame of `planes`; `gate`: metres along the normal that laser and
+  /// map may be apart.
+  MapColours(const Cloud& cloud, const PlaneSet& planes, double gate);
+
+  bool empty() const { return voxels_.empty(); }
+  /// Of a point on a plane with that normal: where the map has a surface that faces the same way,
+  /// so that the underside of a roof does not get the colour of its top.
+  std::optional<Rgb> OnPlane(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+  /// Of a point of no plane.
+  std::optional<Rgb> At(const Eigen::Vector3d& point) const { return voxels_.At(point); }
+
+ private:
+  VoxelColours voxels_;
+  PatchMap surfaces_;
+  double gate_;
+};
+
+}  // namespace planegraph

@@ -1,0 +1,210 @@
+#include "pipeline/map_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "pipeline/map_colours.h"
+#include "planegraph/base/parallel.h"
+#include "planegraph/evaluation/scan_merge.h"
+#include "planegraph/io/cloud_writer.h"
+
+namespace planegraph {
+namespace {
+
+// Colours without a camera, by plane, so that walls, floors and clutter can be told apart.
+Rgb PlaneColour(int plane) {
+  if (plane < 0) return {150, 150, 150};
+  const double hue = std::fmod(0.618033988749895 * (plane + 1), 1.0) * 6.0;
+  const auto channel = [hue](double shift) {
+    const double k = std::fmod(shift + hue, 6.0);
+    const double v = 0.85 - 0.55 * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0);
+    return static_cast<std::uint8_t>(255.0 * v);
+  };
+  return {channel(5.0), channel(3.0), channel(1.0)};
+}
+
+// The same where it stands beside a camera's colours: pale, so that nobody takes it for one.
+Rgb Subdued(const Rgb& colour) {
+  Rgb pale;
+  for (int c = 0; c < 3; ++c) pale[c] = static_cast<std::uint8_t>((colour[c] + 3 * 165) / 4);
+  return pale;
+}
+
+struct MapPoint {
+  Eigen::Vector3f position;
+  Rgb colour;
+  std::int32_t plane;
+};
+
+std::vector<std::uint32_t> Thinned(const Cloud& cloud, double voxel) {
+  if (voxel > 0) return FirstOfEachVoxel(cloud, voxel);
+  std::vector<std::uint32_t> all(cloud.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+// ---- the drone's part ----
+
+// Robust scale of the heights of the laser's surfaces over the map's.
+double MapSigma(const MapResult& result, std::size_t map) {
+  std::vector<MapResidual> residuals;
+  for (const MapPairRecord& pair : result.map_pairs) {
+    if (!pair.used || pair.map != map) continue;
+    residuals.insert(residuals.end(), pair.refinement.residuals.begin(),
+                     pair.refinement.residuals.end());
+  }
+  return MeasureMapErrors(residuals).sigma;
+}
+
+bool IsJoined(const MapResult& result, std::size_t map) {
+  return std::any_of(result.map_pairs.begin(), result.map_pairs.end(),
+                     [&](const MapPairRecord& pair) { return pair.used && pair.map == map; });
+}
+
+// Stereo leaves single points anywhere: beyond this they are no part of a site, and no voxel.
+Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels) {
+  constexpr double kFarthest = 1e4, kMostCells = 1e6;
+  const double farthest = voxel > 0 ? std::min(kFarthest, kMostCells * voxel) : kFarthest;
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    if (!(cloud.Position(i).cwiseAbs().maxCoeff() < farthest)) continue;
+    (*labels)[near.size()] = (*labels)[i];
+    near.push_back(i);
+  }
+  labels->resize(near.size());
+  return near.size() == cloud.size() ? cloud : Select(cloud, near);
+}
+
+void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& labels,
+                      const Sim3& shifted_from_metric, double voxel, MapPlyWriter* writer) {
+  for (const std::uint32_t i : Thinned(cloud, voxel)) {
+    const Rgb colour = cloud.colors.empty() ? Subdued(PlaneColour(labels[i])) : cloud.colors[i];
+    writer->Add((shifted_from_metric * cloud.Position(i)).cast<float>(), colour,
+                PointSource::kVision, -1, labels[i]);
+  }
+}
+
+// Writes one map and returns what its colours are for the laser's points.
+MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::Vector3d& offset,
+                         double voxel, MapPlyWriter* writer) {
+  constexpr double kLeastGate = 0.1, kWidestGate = 0.4;  // metres; walls are not much thicker
+  const MapRecord& record = result.maps[map];
+  std::vector<std::int32_t> labels = record.labels;
+  const Cloud cloud =
+      WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
+  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
+  shifted_from_metric.translation -= offset;
+  WriteDronePoints(cloud, labels, shifted_from_metric, voxel, writer);
+  return {cloud, record.planes, std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate)};
+}
+
+std::vector<std::optional<MapColours>> WriteDroneMaps(const MapResult& result,
+                                                      const Eigen::Vector3d& offset, double voxel,
+                                                      MapPlyWriter* writer) {
+  std::vector<std::optional<MapColours>> colours(result.maps.size());
+  for (std::size_t m = 0; m < result.maps.size(); ++m) {
+    if (IsJoined(result, m)) colours[m] = WriteDroneMap(result, m, offset, voxel, writer);
+  }
+  return colours;
+}
+
+// ---- the laser's part ----
+
+// One map as a source of colours for one scan.
+struct ColourSource {
+  const MapColours* colours;
+  Sim3 metric_from_scan;
+  std::vector<Eigen::Vector3d> normals;  // of the scan's planes, metric axes
+
+  std::optional<Rgb> Of(const Eigen::Vector3d& x_in_scan, std::int32_t plane) const {
+    const Eigen::Vector3d point = metric_from_scan * x_in_scan;
+    return plane < 0 ? colours->At(point)
+                     : colours->OnPlane(point, normals[static_cast<std::size_t>(plane)]);
+  }
+};
+
+std::vector<ColourSource> SourcesOf(const MapResult& result, std::size_t scan,
+                                    const std::vector<std::optional<MapColours>>& colours) {
+  std::vector<ColourSource> sources;
+  for (const MapPairRecord& pair : result.map_pairs) {
+    if (!pair.used || pair.scan != scan || !colours[pair.map] || colours[pair.map]->empty()) {
+      continue;
+    }
+    ColourSource source{&*colours[pair.map],
+                        result.solution.world_from_metric[pair.map].Inverse() *
+                            Sim3(result.solution.world_from_scan[scan]),
+                        {}};
+    for (const PlaneSegment& plane : result.scans[scan].planes.planes) {
+      source.normals.push_back(source.metric_from_scan.rotation * plane.plane.normal);
+    }
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+Rgb ColourOf(const std::vector<ColourSource>& sources, const Eigen::Vector3d& x_in_scan,
+             std::int32_t plane, bool subdued) {
+  for (const ColourSource& source : sources) {
+    if (const auto colour = source.Of(x_in_scan, plane)) return *colour;
+  }
+  return subdued ? Subdued(PlaneColour(plane)) : PlaneColour(plane);
+}
+
+// One scan's share of the map: thinned in its own frame, moved to the world.
+std::vector<MapPoint> MapPoints(const MapResult& result, std::size_t index,
+                                const std::vector<std::optional<MapColours>>& colours,
+                                const Eigen::Vector3d& offset, double voxel) {
+  const ScanRecord& record = result.scans[index];
+  const Cloud cloud = LoadScan(result.site.robots[record.robot], record.index).cloud;
+  const auto sources = SourcesOf(result, index, colours);
+  const bool subdued = std::any_of(colours.begin(), colours.end(),
+                                   [](const auto& map) { return map && !map->empty(); });
+  const Rigid3& pose = result.solution.world_from_scan[index];
+  const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  const Eigen::Vector3d shift = pose.translation - offset;
+  const std::vector<std::uint32_t> kept = Thinned(cloud, voxel);
+  std::vector<MapPoint> points;
+  points.reserve(kept.size());
+  for (const std::uint32_t i : kept) {
+    const std::int32_t plane = i < record.labels.size() ? record.labels[i] : -1;
+    const Eigen::Vector3d x_in_scan = cloud.Position(i);
+    const Rgb colour =
+        cloud.colors.empty() ? ColourOf(sources, x_in_scan, plane, subdued) : cloud.colors[i];
+    points.push_back({(rotation * x_in_scan + shift).cast<float>(), colour, plane});
+  }
+  return points;
+}
+
+// A batch of scans at a time: as many as threads, whatever the size of the site.
+void WriteScans(const MapResult& result, const OutputOptions& options,
+                const std::vector<std::optional<MapColours>>& colours,
+                const Eigen::Vector3d& offset, MapPlyWriter* writer) {
+  const std::size_t batch = static_cast<std::size_t>(ResolveThreads(options.threads));
+  for (std::size_t first = 0; first < result.scans.size(); first += batch) {
+    const std::size_t count = std::min(batch, result.scans.size() - first);
+    std::vector<std::vector<MapPoint>> parts(count);
+    ParallelFor(count, options.threads, [&](std::size_t k) {
+      parts[k] = MapPoints(result, first + k, colours, offset, options.map_voxel);
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      for (const MapPoint& p : parts[k]) {
+        writer->Add(p.position, p.colour, PointSource::kLaser, static_cast<std::int32_t>(first + k),
+                    p.plane);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void WriteMapPly(const MapResult& result, const OutputOptions& options) {
+  const Eigen::Vector3d offset =
+      result.solution.world_from_scan.front().translation.array().round();
+  MapPlyWriter writer(options.folder + "/map.ply", offset);
+  const auto colours = WriteDroneMaps(result, offset, options.map_voxel, &writer);
+  WriteScans(result, options, colours, offset, &writer);
+  writer.Commit();
+}
+
+}  // namespace planegraph
