@@ -7,8 +7,8 @@
 
 namespace planegraph {
 
-/// A run with what a report can hold: two robots, a drone map, a fixed scan, an open direction, an unused
-/// registration, errors against a reference.
+/// A run with what a report can hold: two robots, a drone map, a fixed scan, an open direction, an
+/// unused registration, errors against a reference.
 inline nlohmann::json SampleReport() {
   return nlohmann::json::parse(R"json({
     "name": "yard", "components": 1, "peak_memory_bytes": 104857600, "seconds": 1.25,
