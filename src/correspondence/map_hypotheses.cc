@@ -60,10 +60,15 @@ std::vector<Eigen::Matrix3d> Rotations(const MapModel& map, const ScanGroup& gro
   return rotations;
 }
 
+// Three standard deviations either way; of a scale that is hardly known two, in wider steps, for
+// which the nearer surfaces of a scan vote.
 std::vector<double> Scales(double sigma) {
-  const int steps = static_cast<int>(std::ceil(kSigmas * sigma / kScaleStep - 0.5));
+  constexpr double kHardlyKnown = 0.1;
+  const double step = sigma > kHardlyKnown ? 2.0 * kScaleStep : kScaleStep;
+  const double reach = (sigma > kHardlyKnown ? 2.0 : kSigmas) * sigma;
+  const int steps = static_cast<int>(std::ceil(reach / step - 0.5));
   std::vector<double> scales;
-  for (int k = -steps; k <= steps; ++k) scales.push_back(std::exp(k * kScaleStep));
+  for (int k = -steps; k <= steps; ++k) scales.push_back(std::exp(k * step));
   return scales;
 }
 
