@@ -1,8 +1,9 @@
-// Matching two scans of 30 planes each without a guess, and what comes before and after: the 30
-// largest planes of two simulated scans of a hall (whose second scan has only 28) and of a yard.
+// Matching two scans without a guess, and what comes before and after: the 30 largest planes of two
+// simulated scans of a hall (whose second scan has only 28) and of a yard, and all of their planes.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "planegraph/registration/registration.h"
@@ -12,8 +13,6 @@
 
 namespace planegraph {
 namespace {
-
-constexpr std::size_t kPlanes = 30;
 
 // The planes of largest area, with their patches alone.
 PlaneSet KeepLargest(PlaneSet set, std::size_t count) {
@@ -39,20 +38,30 @@ PlaneSet KeepLargest(PlaneSet set, std::size_t count) {
 
 struct ScanPair {
   PlaneSet target, source;
-  explicit ScanPair(SceneKind scene) {
+  ScanPair(SceneKind scene, std::size_t planes) {
     SimulationOptions options;
     options.scene = scene;
     options.scans = 12;
     const SimulatedSite site = Simulate(options);
-    target = KeepLargest(SegmentPlanes(site.robots[0].scans[1].cloud).planes, kPlanes);
-    source = KeepLargest(SegmentPlanes(site.robots[0].scans[2].cloud).planes, kPlanes);
+    target = KeepLargest(SegmentPlanes(site.robots[0].scans[1].cloud).planes, planes);
+    source = KeepLargest(SegmentPlanes(site.robots[0].scans[2].cloud).planes, planes);
   }
 };
 
-// By the benchmark's argument: 0 hall, 1 yard.
+// By the benchmark's arguments: 0 hall, 1 yard; the number of planes.
 const ScanPair& Pair(const benchmark::State& state) {
-  static const ScanPair hall(SceneKind::kHall), yard(SceneKind::kYard);
-  return state.range(0) == 0 ? hall : yard;
+  static std::map<std::pair<std::int64_t, std::int64_t>, ScanPair> pairs;
+  const std::int64_t scene = state.range(0), planes = state.range(1);
+  return pairs
+      .try_emplace({scene, planes}, scene == 0 ? SceneKind::kHall : SceneKind::kYard,
+                   static_cast<std::size_t>(planes))
+      .first->second;
+}
+
+void EachPair(benchmark::internal::Benchmark* benchmark) {
+  constexpr std::int64_t kAll = 1000;
+  benchmark->ArgNames({"yard", "planes"})->ArgsProduct({{0, 1}, {30, kAll}});
+  benchmark->Unit(benchmark::kMillisecond);
 }
 
 // The planes that take part.
@@ -67,24 +76,25 @@ void CountPlanes(double min_area, benchmark::State* state) {
 }
 
 void MakeScanModel(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(ScanModel(Pair(state).source));
+  const PlaneSet& source = Pair(state).source;
+  for (auto _ : state) benchmark::DoNotOptimize(ScanModel(source));
   CountPlanes(0.0, &state);
 }
-BENCHMARK(MakeScanModel)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(MakeScanModel)->Apply(EachPair);
 
 void MatchWithoutGuess(benchmark::State& state) {
   const ScanModel target(Pair(state).target), source(Pair(state).source);
   for (auto _ : state) benchmark::DoNotOptimize(FindHypotheses(target, source));
   CountPlanes(0.0, &state);
 }
-BENCHMARK(MatchWithoutGuess)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(MatchWithoutGuess)->Apply(EachPair);
 
 void RegisterWithoutGuess(benchmark::State& state) {
   const ScanModel target(Pair(state).target), source(Pair(state).source);
   for (auto _ : state) benchmark::DoNotOptimize(Register(target, source));
   CountPlanes(0.0, &state);
 }
-BENCHMARK(RegisterWithoutGuess)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(RegisterWithoutGuess)->Apply(EachPair);
 
 // The paper's search and closed form on the same planes.
 void RunXiao(const XiaoOptions& options, benchmark::State* state) {
@@ -99,14 +109,14 @@ void RunXiao(const XiaoOptions& options, benchmark::State* state) {
 }
 
 void RegisterByXiao(benchmark::State& state) { RunXiao({}, &state); }
-BENCHMARK(RegisterByXiao)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(RegisterByXiao)->Apply(EachPair);
 
 void RegisterByXiaoWithAllPlanes(benchmark::State& state) {
   XiaoOptions options;
   options.min_area = 0.0;
   RunXiao(options, &state);
 }
-BENCHMARK(RegisterByXiaoWithAllPlanes)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(RegisterByXiaoWithAllPlanes)->Apply(EachPair);
 
 }  // namespace
 }  // namespace planegraph

@@ -1,5 +1,7 @@
 // register_table DATA: registers every pair of the data sets without a guess and prints the errors
-// as a Markdown table (docs/registration.md). DATA is the folder with the sets.
+// as a Markdown table (docs/registration.md), and for each run how well three scans close. DATA is
+// the folder with the sets.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -27,6 +29,7 @@ struct Limits {
 
 struct Tally {
   int pairs = 0, ok = 0, wrong = 0, inside = 0;
+  std::string closures;
 };
 
 PlaneSet Segment(const std::string& path) {
@@ -46,9 +49,9 @@ double WorstSigmas(const Rigid3& found, const Rigid3& truth, const Matrix6d& cov
   return (error.array().abs() / covariance.diagonal().array().sqrt()).maxCoeff();
 }
 
-void Report(const std::string& name, const PlaneSet& target, const PlaneSet& source,
-            const Rigid3& truth, const Limits& limits, Tally* tally) {
-  const Registration result = Register(ScanModel(target), ScanModel(source));
+Registration Report(const std::string& name, const PlaneSet& target, const PlaneSet& source,
+                    const Rigid3& truth, const Limits& limits, Tally* tally) {
+  Registration result = Register(ScanModel(target), ScanModel(source));
   const Rigid3& found = result.target_from_source();
   const double metres = (found.translation - truth.translation).norm();
   const double degrees = AngleBetween(found.rotation, truth.rotation) / kDegree;
@@ -65,6 +68,52 @@ void Report(const std::string& name, const PlaneSet& target, const PlaneSet& sou
               three_sigma(3) / kDegree, sigmas, result.quality, result.runner_up,
               result.reason.c_str());
   std::fflush(stdout);
+  return result;
+}
+
+// ---- closure: the covariances checked without any reference ----
+
+struct PoseEstimate {
+  Rigid3 pose;
+  Matrix6d covariance;  // decoupled left perturbation
+};
+
+PoseEstimate EstimateOf(const Registration& registration) {
+  return {registration.target_from_source(), registration.refinement.covariance};
+}
+
+PoseEstimate Chain(const PoseEstimate& a, const PoseEstimate& b) {
+  const Eigen::Matrix3d rotation = a.pose.rotation.toRotationMatrix();
+  Matrix6d by_a = Matrix6d::Identity(), by_b = Matrix6d::Zero();
+  by_a.topRightCorner<3, 3>() = -Hat(rotation * b.pose.translation);
+  by_b.topLeftCorner<3, 3>() = by_b.bottomRightCorner<3, 3>() = rotation;
+  return {a.pose * b.pose,
+          by_a * a.covariance * by_a.transpose() + by_b * b.covariance * by_b.transpose()};
+}
+
+bool IsOk(const Registration& r) { return r.status == RegistrationStatus::kOk; }
+
+// Every scan against the one after the next, beside the chain of the two pairs between them.
+std::string DescribeClosures(const std::string& name, const std::vector<PlaneSet>& planes,
+                             const std::vector<Registration>& steps) {
+  std::vector<double> worst;
+  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+    if (!IsOk(steps[k]) || !IsOk(steps[k + 1])) continue;
+    const PoseEstimate chain = Chain(EstimateOf(steps[k]), EstimateOf(steps[k + 1]));
+    const Registration direct = RegisterFromGuess(ScanModel(planes[k]), ScanModel(planes[k + 2]),
+                                                  {chain.pose, 1e4 * Matrix6d::Identity()});
+    if (!IsOk(direct)) continue;
+    worst.push_back(WorstSigmas(chain.pose, direct.target_from_source(),
+                                chain.covariance + direct.refinement.covariance));
+  }
+  if (worst.empty()) return "";
+  std::sort(worst.begin(), worst.end());
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "%s: %zu closures of three scans, worst component in sigmas: median %.1f, "
+                "largest %.1f\n",
+                name.c_str(), worst.size(), worst[worst.size() / 2], worst.back());
+  return text;
 }
 
 void ReportRun(const std::string& name, const std::vector<std::string>& paths,
@@ -75,11 +124,13 @@ void ReportRun(const std::string& name, const std::vector<std::string>& paths,
   for (const auto& path : paths) planes.push_back(Segment(path));
   const auto pair = [&](std::size_t source, std::size_t target) {
     const Rigid3 pose = truth.poses[target].Inverse() * truth.poses[source];
-    Report(name + " " + std::to_string(source) + " -> " + std::to_string(target), planes[target],
-           planes[source], pose, limits, tally);
+    return Report(name + " " + std::to_string(source) + " -> " + std::to_string(target),
+                  planes[target], planes[source], pose, limits, tally);
   };
-  for (std::size_t k = 0; k + 1 < planes.size(); ++k) pair(k + 1, k);
+  std::vector<Registration> steps;
+  for (std::size_t k = 0; k + 1 < planes.size(); ++k) steps.push_back(pair(k + 1, k));
   if (first_to_last) pair(planes.size() - 1, 0);
+  tally->closures += DescribeClosures(name, planes, steps);
 }
 
 std::vector<std::string> ScanPaths(const std::string& folder, int count, const char* ending) {
@@ -119,6 +170,7 @@ int Run(const std::string& data) {
   std::printf(
       "\n%d of %d pairs ok (%.0f %%), %d of them wrong; %d within 3 sigma in each component\n",
       tally.ok, tally.pairs, 100.0 * tally.ok / tally.pairs, tally.wrong, tally.inside);
+  std::printf("\n%s", tally.closures.c_str());
   return tally.wrong == 0 ? 0 : 1;
 }
 
