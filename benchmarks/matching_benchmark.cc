@@ -1,4 +1,5 @@
-// Matching two scans of 30 planes each without a guess, and what comes before and after.
+// Matching two scans of 30 planes each without a guess, and what comes before and after: the 30
+// largest planes of two simulated scans of a hall (whose second scan has only 28) and of a yard.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -38,9 +39,9 @@ PlaneSet KeepLargest(PlaneSet set, std::size_t count) {
 
 struct ScanPair {
   PlaneSet target, source;
-  ScanPair() {
+  explicit ScanPair(SceneKind scene) {
     SimulationOptions options;
-    options.scene = SceneKind::kHall;
+    options.scene = scene;
     options.scans = 12;
     const SimulatedSite site = Simulate(options);
     target = KeepLargest(SegmentPlanes(site.robots[0].scans[1].cloud).planes, kPlanes);
@@ -48,42 +49,64 @@ struct ScanPair {
   }
 };
 
-const ScanPair& Pair() {
-  static const ScanPair pair;
-  return pair;
+// By the benchmark's argument: 0 hall, 1 yard.
+const ScanPair& Pair(const benchmark::State& state) {
+  static const ScanPair hall(SceneKind::kHall), yard(SceneKind::kYard);
+  return state.range(0) == 0 ? hall : yard;
 }
 
-void CountPlanes(benchmark::State& state) {
-  state.counters["target_planes"] = static_cast<double>(Pair().target.planes.size());
-  state.counters["source_planes"] = static_cast<double>(Pair().source.planes.size());
+// The planes that take part.
+void CountPlanes(double min_area, benchmark::State* state) {
+  const auto count = [&](const PlaneSet& set) {
+    return static_cast<double>(
+        std::count_if(set.planes.begin(), set.planes.end(),
+                      [&](const PlaneSegment& plane) { return plane.area >= min_area; }));
+  };
+  state->counters["target_planes"] = count(Pair(*state).target);
+  state->counters["source_planes"] = count(Pair(*state).source);
 }
 
 void MakeScanModel(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(ScanModel(Pair().source));
-  CountPlanes(state);
+  for (auto _ : state) benchmark::DoNotOptimize(ScanModel(Pair(state).source));
+  CountPlanes(0.0, &state);
 }
-BENCHMARK(MakeScanModel)->Unit(benchmark::kMillisecond);
+BENCHMARK(MakeScanModel)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void MatchWithoutGuess(benchmark::State& state) {
-  const ScanModel target(Pair().target), source(Pair().source);
+  const ScanModel target(Pair(state).target), source(Pair(state).source);
   for (auto _ : state) benchmark::DoNotOptimize(FindHypotheses(target, source));
-  CountPlanes(state);
+  CountPlanes(0.0, &state);
 }
-BENCHMARK(MatchWithoutGuess)->Unit(benchmark::kMillisecond);
+BENCHMARK(MatchWithoutGuess)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void RegisterWithoutGuess(benchmark::State& state) {
-  const ScanModel target(Pair().target), source(Pair().source);
+  const ScanModel target(Pair(state).target), source(Pair(state).source);
   for (auto _ : state) benchmark::DoNotOptimize(Register(target, source));
-  CountPlanes(state);
+  CountPlanes(0.0, &state);
 }
-BENCHMARK(RegisterWithoutGuess)->Unit(benchmark::kMillisecond);
+BENCHMARK(RegisterWithoutGuess)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 // The paper's search and closed form on the same planes.
-void RegisterByXiao(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(RegisterXiao(Pair().target, Pair().source));
-  CountPlanes(state);
+void RunXiao(const XiaoOptions& options, benchmark::State* state) {
+  const ScanPair& pair = Pair(*state);
+  for (auto _ : *state) {
+    benchmark::DoNotOptimize(RegisterXiao(pair.target, pair.source, options));
+  }
+  CountPlanes(options.min_area, state);
+  const XiaoMatch match = MatchXiao(pair.target, pair.source, options);
+  state->counters["area_pairs"] = static_cast<double>(match.area_pairs);
+  state->counters["grown"] = static_cast<double>(match.triplets);
 }
-BENCHMARK(RegisterByXiao)->Unit(benchmark::kMillisecond);
+
+void RegisterByXiao(benchmark::State& state) { RunXiao({}, &state); }
+BENCHMARK(RegisterByXiao)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+void RegisterByXiaoWithAllPlanes(benchmark::State& state) {
+  XiaoOptions options;
+  options.min_area = 0.0;
+  RunXiao(options, &state);
+}
+BENCHMARK(RegisterByXiaoWithAllPlanes)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace planegraph

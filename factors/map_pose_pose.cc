@@ -5,9 +5,9 @@
 //   r_1 = v_1 . R_d^T N     r_2 = v_2 . R_d^T N (rad, frame of d)
 //   r_3 = N . (R_d c_d + t_d - t_u - s R_u c_u) (m of the world)
 //
-// each over its sigma: the tilts by both sides' tilt, the offset by both sides' offset and the map's
-// tilt over the lever arm between the centroids, frozen where the factor is made. A plane that k
-// nodes see has weight 2/k, as in `pose_pose`.
+// each over its sigma: the tilts by both sides' tilt, the offset by both sides' offset and the
+// map's tilt over the lever arm between the centroids, frozen where the factor is made. A plane
+// that k nodes see has weight 2/k, as in `pose_pose`.
 #include <ceres/sized_cost_function.h>
 
 #include <cmath>
@@ -30,8 +30,8 @@ class MapPosePoseCost final : public ceres::SizedCostFunction<3, kMapSize, kPose
     const double tilt_u = std::max(Variance(u.tilt_weight_1), Variance(u.tilt_weight_2));
     weight_1_ = 1.0 / std::sqrt(Variance(d.tilt_weight_1) + tilt_u);
     weight_2_ = 1.0 / std::sqrt(Variance(d.tilt_weight_2) + tilt_u);
-    offset_weight_ = 1.0 / std::sqrt(Variance(d.offset_weight) + Variance(u.offset_weight) +
-                                     arm * arm * tilt_u);
+    offset_weight_ =
+        1.0 / std::sqrt(Variance(d.offset_weight) + Variance(u.offset_weight) + arm * arm * tilt_u);
     axis_1_ = weight_1_ * d.axes.col(1);
     axis_2_ = weight_2_ * d.axes.col(2);
   }

@@ -22,7 +22,8 @@ DEFINE_string(cameras, "",
               "cameras of a photogrammetric model: MVE, Bundler, COLMAP folder, OpenSfM");
 DEFINE_string(gps, "", "positions: CSV by time or image, NMEA, or a folder of images with EXIF");
 DEFINE_string(image_times, "", "CSV with time,file; row k belongs to camera k");
-DEFINE_string(method, "", "georeference: robust or paper; locate: vote or cells (default: the first)");
+DEFINE_string(method, "",
+              "georeference: robust or paper; locate: vote or cells (default: the first)");
 DEFINE_double(min_range, 0.5,
               "points of a scan nearer to the scanner than this are dropped, metres");
 

@@ -16,9 +16,9 @@ Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
-      MapCommand(),      ReportCommand(),   SegmentCommand(),
-      RegisterCommand(), EvaluateCommand(), SimulateCommand(),
-      FactorsCommand(),  ConvertCommand(),  GeoreferenceCommand(), LocateCommand(),
+      MapCommand(),          ReportCommand(),   SegmentCommand(), RegisterCommand(),
+      EvaluateCommand(),     SimulateCommand(), FactorsCommand(), ConvertCommand(),
+      GeoreferenceCommand(), LocateCommand(),
   };
 }
 

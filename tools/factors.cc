@@ -7,7 +7,6 @@
 namespace planegraph::tools {
 namespace {
 
-
 nlohmann::json ToJson(const FactorParameter& parameter) {
   nlohmann::json json = {{"name", parameter.name},
                          {"unit", parameter.unit},

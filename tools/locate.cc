@@ -22,27 +22,6 @@ DECLARE_string(map_scale);
 namespace planegraph::tools {
 namespace {
 
-struct ScaleOfMap {
-  double scale = 1.0, sigma = 0.0;  // metres per unit; relative
-};
-
-// A scale that is only stated is taken to be good to two percent.
-ScaleOfMap ParseMapScale(const std::string& text) {
-  constexpr double kStatedSigma = 0.02;
-  if (text.empty()) return {1.0, kStatedSigma};
-  const std::size_t colon = text.find(':');
-  const std::vector<double> scale = ParseNumbers("map_scale", text.substr(0, colon));
-  if (scale.size() != 1 || !(scale[0] > 0.0)) {
-    throw UsageError("--map_scale takes S or S:SIGMA, greater than zero");
-  }
-  if (colon == std::string::npos) return {scale[0], kStatedSigma};
-  const std::vector<double> sigma = ParseNumbers("map_scale", text.substr(colon + 1));
-  if (sigma.size() != 1 || !(sigma[0] > 0.0) || sigma[0] >= scale[0]) {
-    throw UsageError("--map_scale=S:SIGMA: SIGMA is in metres per unit, between 0 and S");
-  }
-  return {scale[0], sigma[0] / scale[0]};
-}
-
 void CheckFlags(const std::string& method) {
   RequireFlag("map");
   if (method != "vote" && method != "cells") {
@@ -126,7 +105,8 @@ Scans ReadScans(const std::vector<std::string>& files) {
 
 MapLocation Locate(const MapRecord& map, const Scans& scans, const std::string& method) {
   if (method == "cells") {
-    if (scans.planes.size() != 1) throw UsageError("--method=cells takes one scan, as the paper does");
+    if (scans.planes.size() != 1)
+      throw UsageError("--method=cells takes one scan, as the paper does");
     CellSearchOptions options;
     options.threads = FLAGS_threads;
     return LocateByCells(map.planes, *scans.planes[0], options);
@@ -144,15 +124,15 @@ nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
     const Sim3 pose = map.metric_from_map.Inverse() * candidate.refinement.map_from_group;
     const auto& t = pose.translation;
     const auto& q = pose.rotation;
-    candidates.push_back({{"map_from_scan",
-                           {{"scale", pose.scale},
-                            {"rotation", {q.x(), q.y(), q.z(), q.w()}},
-                            {"translation", {t.x(), t.y(), t.z()}}}},
-                          {"score", FLAGS_method == "cells" ? candidate.evidence.agree
-                                                            : candidate.evidence.Score()},
-                          {"agree", candidate.evidence.agree},
-                          {"worst_direction", candidate.evidence.worst_direction},
-                          {"pierced", candidate.evidence.pierced}});
+    candidates.push_back(
+        {{"map_from_scan",
+          {{"scale", pose.scale},
+           {"rotation", {q.x(), q.y(), q.z(), q.w()}},
+           {"translation", {t.x(), t.y(), t.z()}}}},
+         {"score", FLAGS_method == "cells" ? candidate.evidence.agree : candidate.evidence.Score()},
+         {"agree", candidate.evidence.agree},
+         {"worst_direction", candidate.evidence.worst_direction},
+         {"pierced", candidate.evidence.pierced}});
   }
   return {{"status", ToString(location.status)},
           {"reason", location.reason},
@@ -188,8 +168,8 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command LocateCommand() {
-  std::vector<std::string> flags = {"map",         "odometry", "map_scale", "cameras",
-                                    "gps",         "image_times", "method", "output"};
+  std::vector<std::string> flags = {"map", "odometry",    "map_scale", "cameras",
+                                    "gps", "image_times", "method",    "output"};
   for (const auto& flag : SegmentationFlags()) flags.push_back(flag);
   return {"locate", "SCAN...", "where one scan, or several as a group, stand in a drone map", flags,
           Run};

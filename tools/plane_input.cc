@@ -10,6 +10,7 @@
 #include "planegraph/base/error.h"
 #include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/io/cloud_io.h"
+#include "planegraph/segmentation/map_segmenter.h"
 #include "planegraph/segmentation/planes_json.h"
 #include "tools/common_flags.h"
 
@@ -38,7 +39,21 @@ NoiseModel ParseNoise(const std::string& text) {
   return noise;
 }
 
-SegmentationOptions OptionsFromFlags(CloudKind kind) {
+// A flag that the user has set goes before what the cloud's density asks for.
+template <typename T, typename Flag>
+void Override(const char* name, const Flag& flag, T* value) {
+  if (!google::GetCommandLineFlagInfoOrDie(name).is_default) *value = flag;
+}
+
+SegmentationOptions VisionOptionsFromFlags(const Cloud& cloud) {
+  SegmentationOptions options = VisionOptions(cloud);
+  Override("cell_size", FLAGS_cell_size, &options.cell_size);
+  Override("min_points", FLAGS_min_points, &options.min_points);
+  Override("min_area", FLAGS_min_area, &options.min_area);
+  return options;
+}
+
+SegmentationOptions OptionsFromFlags(CloudKind kind, const Cloud& cloud) {
   RequirePositive("cell_size", FLAGS_cell_size);
   if (FLAGS_min_points < 3) throw UsageError("--min_points must be at least 3");
   if (!(FLAGS_min_area >= 0.0)) throw UsageError("--min_area must not be negative");
@@ -48,6 +63,13 @@ SegmentationOptions OptionsFromFlags(CloudKind kind) {
   SegmentationOptions options;
   options.kind = kind;
   if (!FLAGS_noise.empty()) options.noise = ParseNoise(FLAGS_noise);
+  if (kind == CloudKind::kVision) {
+    const auto noise = options.noise;
+    options = VisionOptionsFromFlags(cloud);
+    options.noise = noise;
+    options.greedy_projection_area = FLAGS_area == "greedy_projection";
+    return options;
+  }
   options.cell_size = FLAGS_cell_size;
   options.min_points = FLAGS_min_points;
   options.min_area = FLAGS_min_area;
@@ -91,9 +113,10 @@ CloudKind ParseKind(const std::string& flag, const std::string& value) {
 Cloud ReadInputCloud(const std::string& path) { return ReadCloud(path, FLAGS_format); }
 
 Segmentation SegmentInput(const Cloud& cloud, CloudKind kind, const std::string& path) {
-  const SegmentationOptions options = OptionsFromFlags(kind);
+  const SegmentationOptions options = OptionsFromFlags(kind, cloud);
   const std::vector<std::uint32_t> used = PointsToUse(cloud, kind);
   try {
+    if (kind == CloudKind::kVision) return SegmentMap(cloud, {options, 25.6, FLAGS_threads});
     if (used.size() == cloud.size()) return SegmentPlanes(cloud, options);
     Segmentation result = SegmentPlanes(Select(cloud, used), options);
     std::vector<std::int32_t> labels(cloud.size(), -1);
@@ -112,6 +135,23 @@ PlaneSet LoadPlanes(const std::string& path, CloudKind kind, double scale) {
   Cloud cloud = ReadInputCloud(path);
   if (scale != 1.0) Scale(scale, &cloud);
   return SegmentInput(cloud, kind, path).planes;
+}
+
+// A scale that is only stated is taken to be good to two percent.
+ScaleOfMap ParseMapScale(const std::string& text) {
+  constexpr double kStatedSigma = 0.02;
+  if (text.empty()) return {1.0, kStatedSigma};
+  const std::size_t colon = text.find(':');
+  const std::vector<double> scale = ParseNumbers("map_scale", text.substr(0, colon));
+  if (scale.size() != 1 || !(scale[0] > 0.0)) {
+    throw UsageError("--map_scale takes S or S:SIGMA, greater than zero");
+  }
+  if (colon == std::string::npos) return {scale[0], kStatedSigma};
+  const std::vector<double> sigma = ParseNumbers("map_scale", text.substr(colon + 1));
+  if (sigma.size() != 1 || !(sigma[0] > 0.0) || sigma[0] >= scale[0]) {
+    throw UsageError("--map_scale=S:SIGMA: SIGMA is in metres per unit, between 0 and S");
+  }
+  return {scale[0], sigma[0] / scale[0]};
 }
 
 std::vector<double> ParseNumbers(const std::string& flag, const std::string& text) {

@@ -28,6 +28,13 @@ PlaneSet LoadPlanes(const std::string& path, CloudKind kind, double scale);
 /// True where the path names a PLANES.json.
 bool IsPlanesFile(const std::string& path);
 
+/// Metres per unit of a drone map.
+struct ScaleOfMap {
+  double scale = 1.0, sigma = 0.0;  // metres per unit; relative
+};
+/// Reads --map_scale: S, or S:SIGMA with both in metres per unit; empty: 1. Throws UsageError.
+ScaleOfMap ParseMapScale(const std::string& text);
+
 /// The numbers of a text like 1,2.5,-3. Throws UsageError in the name of the flag.
 std::vector<double> ParseNumbers(const std::string& flag, const std::string& text);
 

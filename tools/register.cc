@@ -1,6 +1,7 @@
 // `planegraph register`: the pose between two clouds by their planes.
 #include <gflags/gflags.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -9,6 +10,7 @@
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/geometry/sim3.h"
+#include "planegraph/registration/map_registration.h"
 #include "planegraph/registration/registration.h"
 #include "planegraph/registration/xiao.h"
 #include "tools/command.h"
@@ -28,18 +30,6 @@ namespace {
 
 // Larger standard deviations stand for "nothing is known", metres or radians.
 constexpr double kInfinite = 100.0;
-
-double ParseScale(const std::string& text) {
-  if (text.empty()) return 1.0;
-  if (text.find(':') != std::string::npos) {
-    throw UsageError("--map_scale with a sigma is not built yet: give metres per unit alone");
-  }
-  const std::vector<double> numbers = ParseNumbers("map_scale", text);
-  if (numbers.size() != 1 || !(numbers[0] > 0.0)) {
-    throw UsageError("--map_scale takes one number greater than zero");
-  }
-  return numbers[0];
-}
 
 Rigid3 ParsePose(const std::string& text) {
   const std::vector<double> n = ParseNumbers("guess", text);
@@ -182,10 +172,84 @@ void CheckFlags() {
   if (!FLAGS_guess.empty()) ParsePose(FLAGS_guess), ParseSigmas(FLAGS_guess_sigma);
 }
 
+// A drone map as the target: its scale is an unknown with a prior, and its surfaces do not see free
+// space themselves.
+MapLocationOptions MapOptionsFromFlags(const ScaleOfMap& scale, const PlaneSet& source) {
+  MapLocationOptions options;
+  options.threads = FLAGS_threads;
+  options.prior.sigma_scale = scale.sigma;
+  if (FLAGS_guess.empty()) return options;
+  const Matrix6d sigmas = ParseSigmas(FLAGS_guess_sigma);
+  Rigid3 guess = ParsePose(FLAGS_guess);
+  guess.translation = scale.scale * guess.translation + guess.rotation * source.offset;
+  options.prior.pose = MapPrior::Pose{guess, std::sqrt(sigmas(0, 0)), std::sqrt(sigmas(5, 5))};
+  return options;
+}
+
+std::vector<UnobservedDirection> OpenInMap(const Matrix6d& covariance) {
+  constexpr double kWeakTranslation = 0.1, kWeakRotation = 0.0175;
+  std::vector<UnobservedDirection> open;
+  for (const int first : {0, 3}) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+        Eigen::Matrix3d(covariance.block<3, 3>(first, first)));
+    for (int k = 2; k >= 0; --k) {
+      const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
+      if (sigma <= (first == 0 ? kWeakTranslation : kWeakRotation)) break;
+      UnobservedDirection& direction = open.emplace_back();
+      direction.direction.segment<3>(first) = eigen.eigenvectors().col(k);
+      direction.sigma = sigma;
+    }
+  }
+  return open;
+}
+
+nlohmann::json MapResultToJson(const MapLocation& location, const MapModel& map,
+                               const ScanModel& source, const ScaleOfMap& scale) {
+  nlohmann::json json = {
+      {"target_from_source", nullptr}, {"status", ToString(location.status)},
+      {"reason", location.reason},     {"correspondences", nlohmann::json::array()},
+      {"covariance", nullptr},         {"unobserved", nlohmann::json::array()},
+      {"quality", location.r1},        {"runner_up", location.r2}};
+  if (location.candidates.empty()) return json;
+  const MapRefinement& found = location.candidates.front().refinement;
+  const Sim3& metric = found.map_from_group;
+  // The offset of the target's cloud is part of its own frame, that of the source of the source's.
+  const Sim3 target_from_metric(1.0 / scale.scale, Eigen::Quaterniond::Identity(),
+                                map.planes().offset / scale.scale);
+  const Sim3 shift(1.0, Eigen::Quaterniond::Identity(), -source.planes->offset);
+  const Sim3 pose = target_from_metric * metric * shift;
+  json["target_from_source"] = PoseToJson({pose.rotation, pose.translation});
+  json["target_from_source"]["scale"] = pose.scale;
+  const Matrix6d covariance = found.covariance.topLeftCorner<6, 6>();
+  json["covariance"] = CovarianceToJson(covariance);
+  json["sigma_scale"] = std::sqrt(found.covariance(6, 6));
+  json["unobserved"] = UnobservedToJson(OpenInMap(covariance));
+  json["correspondences"] =
+      PairsToJson(MapCorrespondences(map, source, metric, 0.15), map.planes(), *source.planes);
+  return json;
+}
+
+int RegisterInMap(const PlaneSet& target, const PlaneSet& source, const ScaleOfMap& scale) {
+  const MapModel map(target);
+  const ScanModel scan(source);
+  const MapLocation location =
+      LocateInMap(map, ScanGroup(scan), MapOptionsFromFlags(scale, source));
+  const nlohmann::json json = MapResultToJson(location, map, scan, scale);
+  if (WantsText()) {
+    std::printf("%s%s%s\ntarget_from_source %s\n", ToString(location.status),
+                location.reason.empty() ? "" : ": ", location.reason.c_str(),
+                json["target_from_source"].dump().c_str());
+  }
+  EmitResult(json, true);
+  if (location.status == RegistrationStatus::kOk) return 0;
+  throw NoResultError(std::string(ToString(location.status)) + ": " + location.reason);
+}
+
 int RunRegister(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 2, 2);
   CheckFlags();
-  const double scale = ParseScale(FLAGS_map_scale);
+  const ScaleOfMap map_scale = ParseMapScale(FLAGS_map_scale);
+  const double scale = map_scale.scale;
   if (scale != 1.0 && IsPlanesFile(arguments[1])) {
     throw UsageError("--map_scale needs the target's cloud: planes in a file are metric");
   }
@@ -193,6 +257,9 @@ int RunRegister(const std::vector<std::string>& arguments) {
       LoadPlanes(arguments[0], ParseKind("source_kind", FLAGS_source_kind), 1.0);
   const PlaneSet target =
       LoadPlanes(arguments[1], ParseKind("target_kind", FLAGS_target_kind), scale);
+  if (target.kind == CloudKind::kVision && FLAGS_matcher == "ours") {
+    return RegisterInMap(target, source, map_scale);
+  }
   const Registration result = RunMatcher(ScanModel(target), ScanModel(source));
   const nlohmann::json json = ToJson(result, target, source, scale);
   if (WantsText()) PrintSummary(json, result);

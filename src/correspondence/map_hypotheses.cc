@@ -31,7 +31,8 @@ bool Allowed(const MapPrior& prior, const Eigen::Matrix3d& rotation) {
   return angle <= std::sqrt(3.0) * kSigmas * prior.pose->sigma_rotation + 2.0 * kDegree;
 }
 
-// The group's vertical: of the directions within the tilt that is allowed the heaviest, the ground's.
+// The group's vertical: of the directions within the tilt that is allowed the heaviest, the
+// ground's.
 Eigen::Vector3d UpOf(const std::vector<DirectionCluster>& directions, double most_tilt) {
   for (const auto& cluster : directions) {
     if (cluster.direction.z() > std::cos(most_tilt)) return cluster.direction;
@@ -75,8 +76,8 @@ DirectionGrid::Window WindowOf(const MapModel& map, const MapPrior& prior) {
     window.high += Eigen::Vector3d(kRim, kRim, kRim);
     return window;
   }
-  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(
-      kSigmas * prior.pose->sigma_translation + map.grid().voxel());
+  const Eigen::Vector3d reach =
+      Eigen::Vector3d::Constant(kSigmas * prior.pose->sigma_translation + map.grid().voxel());
   window.low = prior.pose->map_from_group.translation - reach;
   window.high = prior.pose->map_from_group.translation + reach;
   return window;
@@ -94,8 +95,7 @@ std::vector<DirectionGrid::Voter> Voters(const std::vector<GroupSample>& samples
 }  // namespace
 
 std::vector<MapHypothesis> FindMapHypotheses(const MapModel& map, const ScanGroup& group,
-                                             const MapPrior& prior, std::size_t most,
-                                             int threads) {
+                                             const MapPrior& prior, std::size_t most, int threads) {
   if (map.surfaces().surfels().empty()) return {};
   const auto samples = SamplesOf(group, std::max<std::size_t>(1, kMapVoters / group.scans.size()));
   const auto rotations = Rotations(map, group, prior);

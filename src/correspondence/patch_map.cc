@@ -10,21 +10,25 @@ constexpr double kCell = 0.8;    // metres; a query looks at three cells along t
 constexpr double kReach = 0.75;  // a surfel answers within this share of its cell's edge
 constexpr double kSlack = 0.1;   // metres beyond it
 
+constexpr int kBias = 1 << 20;  // makes every cell's coordinates positive
+
+// With the bias truncation is rounding down, at a fraction of floor's cost.
 Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
-  return (point / kCell).array().floor().cast<int>();
+  constexpr double kPerMetre = 1.0 / kCell;
+  return (point.array() * kPerMetre + kBias).cast<int>();
 }
 
 std::uint64_t Key(const Eigen::Vector3i& c) {
-  constexpr std::int64_t kBias = 1 << 20;
-  return (static_cast<std::uint64_t>(c.x() + kBias) << 42) |
-         (static_cast<std::uint64_t>(c.y() + kBias) << 21) |
-         static_cast<std::uint64_t>(c.z() + kBias);
+  return (static_cast<std::uint64_t>(c.x()) << 42) | (static_cast<std::uint64_t>(c.y()) << 21) |
+         static_cast<std::uint64_t>(c.z());
 }
 
 std::uint64_t Mix(std::uint64_t key) {
   key *= 0x9e3779b97f4a7c15ull;
   return key ^ (key >> 32);
 }
+
+std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
 
 // The cells that a surfel's square overlaps, as keys.
 void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
@@ -36,7 +40,7 @@ void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
   for (int x = low.x(); x <= high.x(); ++x) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int z = low.z(); z <= high.z(); ++z) {
-        const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() + 0.5) * kCell;
+        const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() - kBias + 0.5) * kCell;
         // The plane misses cells farther off than half a cell's diagonal.
         if (std::abs(s.normal.dot(centre - s.mean)) > 0.87 * kCell) continue;
         keys->push_back(Key({x, y, z}));
@@ -103,32 +107,32 @@ PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   std::vector<std::uint64_t> keys;
   for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
     CellsOf(surfels_[i], &keys);
-    for (const std::uint64_t key : keys) entries.push_back({key, i});
+    for (const std::uint64_t key : keys) entries.push_back({Mix(key), i});
   }
   std::uint64_t slots = 64;
   while (slots < entries.size()) slots *= 2;
   mask_ = slots - 1;
   starts_.assign(slots + 1, 0);
-  for (const auto& [key, i] : entries) ++starts_[(Mix(key) & mask_) + 1];
+  filled_.assign(slots / 64, 0);
+  for (const auto& [hash, i] : entries) ++starts_[(hash & mask_) + 1];
   for (std::uint64_t s = 0; s < slots; ++s) starts_[s + 1] += starts_[s];
   std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
   items_.resize(entries.size());
-  item_keys_.resize(entries.size());
-  for (const auto& [key, i] : entries) {
-    const std::uint32_t at = next[Mix(key) & mask_]++;
-    items_[at] = i;
-    item_keys_[at] = key;
+  for (const auto& [hash, i] : entries) {
+    const std::uint64_t slot = hash & mask_;
+    items_[next[slot]++] = {Tag(hash), i};
+    filled_[slot / 64] |= std::uint64_t{1} << slot % 64;
   }
 }
 
-int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& point,
+int PatchMap::BestInCell(std::uint64_t hash, const Eigen::Vector3d& point,
                          const Eigen::Vector3d& normal, double gate, double least_cosine,
                          double* best) const {
-  const std::uint64_t key = Key(cell), slot = Mix(key) & mask_;
+  const std::uint64_t slot = hash & mask_;
   int found = -1;
   for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
-    if (item_keys_[k] != key) continue;
-    const Surfel& s = surfels_[items_[k]];
+    if (items_[k].tag != Tag(hash)) continue;
+    const Surfel& s = surfels_[items_[k].surfel];
     if (s.normal.dot(normal) < least_cosine) continue;
     const Eigen::Vector3d d = point - s.mean;
     const double height = std::abs(s.normal.dot(d));
@@ -138,7 +142,7 @@ int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& poi
     if (along > reach * reach) continue;
     // Height first; among surfels of one surface the one that lies nearest in relation to its size.
     const double cost = height + 0.05 * std::sqrt(along) / reach;
-    if (cost < *best) *best = cost, found = static_cast<int>(items_[k]);
+    if (cost < *best) *best = cost, found = static_cast<int>(items_[k].surfel);
   }
   return found;
 }
@@ -146,14 +150,21 @@ int PatchMap::BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& poi
 int PatchMap::Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
                    double least_cosine) const {
   double best = INFINITY;
-  const Eigen::Vector3i centre = CellOf(point);
-  int found = BestInCell(centre, point, normal, gate, least_cosine, &best);
-  for (const double side : {-1.0, 1.0}) {
-    // A surface at most `gate` off lies in this cell or in those that the gate reaches.
-    const Eigen::Vector3i cell = CellOf(point + side * std::min(gate, kCell) * normal);
-    if (cell == centre) continue;
-    const int other = BestInCell(cell, point, normal, gate, least_cosine, &best);
+  int found = -1;
+  const auto look = [&](std::uint64_t key) {
+    const std::uint64_t hash = Mix(key), slot = hash & mask_;
+    if ((filled_[slot / 64] >> slot % 64 & 1) == 0) return;
+    const int other = BestInCell(hash, point, normal, gate, least_cosine, &best);
     if (other >= 0) found = other;
+  };
+  const std::uint64_t centre = Key(CellOf(point));
+  look(centre);
+  // A surface at most `gate` off lies in this cell or in those that the gate reaches.
+  const Eigen::Vector3d reach = std::min(gate, kCell) * normal;
+  for (const Eigen::Vector3d& end :
+       {Eigen::Vector3d(point - reach), Eigen::Vector3d(point + reach)}) {
+    const std::uint64_t key = Key(CellOf(end));
+    if (key != centre) look(key);
   }
   return found;
 }

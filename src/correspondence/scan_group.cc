@@ -11,12 +11,45 @@ const double kSameDirection = std::cos(6.0 * std::numbers::pi / 180.0);
 
 }  // namespace
 
+ScanGroup Around(const ScanGroup& group, std::size_t anchor, double radius) {
+  const Rigid3 anchor_from_group = group.group_from_scan[anchor].Inverse();
+  ScanGroup around;
+  for (std::size_t k = 0; k < group.scans.size(); ++k) {
+    const Rigid3 anchor_from_scan = anchor_from_group * group.group_from_scan[k];
+    if (k != anchor && anchor_from_scan.translation.norm() > radius) continue;
+    around.scans.push_back(group.scans[k]);
+    around.group_from_scan.push_back(k == anchor ? Rigid3() : anchor_from_scan);
+  }
+  return around;
+}
+
+std::vector<std::size_t> Anchors(const ScanGroup& group, double distance, std::size_t most) {
+  std::vector<std::size_t> anchors{0};
+  while (anchors.size() < std::min(most, group.scans.size())) {
+    std::size_t farthest = 0;
+    double best = distance;
+    for (std::size_t k = 0; k < group.scans.size(); ++k) {
+      double nearest = INFINITY;
+      for (const std::size_t a : anchors) {
+        nearest = std::min(
+            nearest,
+            (group.group_from_scan[k].translation - group.group_from_scan[a].translation).norm());
+      }
+      if (nearest > best) best = nearest, farthest = k;
+    }
+    if (farthest == 0) break;
+    anchors.push_back(farthest);
+  }
+  return anchors;
+}
+
 std::vector<GroupSample> SamplesOf(const ScanGroup& group, std::size_t most_per_scan) {
   std::vector<GroupSample> samples;
   for (std::size_t s = 0; s < group.scans.size(); ++s) {
     const ScanModel& scan = *group.scans[s];
     const Rigid3& pose = group.group_from_scan[s];
-    const std::size_t stride = 1 + (scan.samples.size() - 1) / std::max<std::size_t>(most_per_scan, 1);
+    const std::size_t stride =
+        1 + (scan.samples.size() - 1) / std::max<std::size_t>(most_per_scan, 1);
     const std::size_t first = samples.size();
     double total = 0.0;
     for (std::size_t k = 0; k < scan.samples.size(); k += stride) {

@@ -58,7 +58,8 @@ const FactorType& FactorRegistry::MapPlaneFactorFor(const FactorType& plane_fact
     const bool fits = type.plane_blocks == plane_factor.plane_blocks;
     if (type.kind == FactorKind::kMapPlane && fits) return type;
   }
-  throw UsageError("the plane factor '" + plane_factor.name + "' has no counterpart for drone maps");
+  throw UsageError("the plane factor '" + plane_factor.name +
+                   "' has no counterpart for drone maps");
 }
 
 }  // namespace planegraph

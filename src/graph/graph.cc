@@ -52,7 +52,8 @@ void CheckMapFactor(const MapFactor& factor, int map_count, const std::string& n
   for (int map : factor.maps) {
     Require(map >= 0 && map < map_count, name + ": names a map that does not exist");
   }
-  Require(factor.maps.size() < 2 || factor.maps[0] != factor.maps[1], name + ": ties a map to itself");
+  Require(factor.maps.size() < 2 || factor.maps[0] != factor.maps[1],
+          name + ": ties a map to itself");
   Require(factor.point.allFinite() && factor.position.allFinite(), name + ": not finite");
   Require(factor.information.allFinite(), name + ": information is not finite");
 }

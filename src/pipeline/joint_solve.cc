@@ -122,8 +122,8 @@ MapWeights WeighMaps(const JointProblem& problem) {
   return weights;
 }
 
-// Neighbouring surfaces of a map err together: the observations of one block have the information of
-// its mean, whatever their number.
+// Neighbouring surfaces of a map err together: the observations of one block have the information
+// of its mean, whatever their number.
 void ShareMapInformation(const MapWeights& weights, Graph* graph) {
   std::map<std::pair<int, std::uint64_t>, double> count;
   const auto block = [](const PlaneLandmark& plane, const PlaneObservation& seen) {
@@ -139,8 +139,8 @@ void ShareMapInformation(const MapWeights& weights, Graph* graph) {
       if (seen.map < 0) continue;
       const double shared = weights.errors[seen.map].block_sigma;
       const double own = 1.0 / (seen.offset_weight * seen.offset_weight);
-      const double variance = weights.factors[seen.map] *
-                              std::max(own, count[block(plane, seen)] * shared * shared);
+      const double variance =
+          weights.factors[seen.map] * std::max(own, count[block(plane, seen)] * shared * shared);
       const double share = std::sqrt(own / variance);
       seen.offset_weight *= share;
       seen.tilt_weight_1 *= share;
@@ -218,6 +218,31 @@ void KeepAnchoredOnly(const JointProblem& problem, Graph* graph) {
   std::erase_if(graph->planes, [](const auto& plane) { return plane.observations.size() < 2; });
 }
 
+// Landmarks of each component by itself: scans that nothing joins may lie on each other by chance.
+std::vector<PlaneLandmark> AssociateComponents(const JointProblem& problem,
+                                               const JointSolution& solution,
+                                               const AssociationOptions& association,
+                                               const std::vector<PlacedMap>& maps) {
+  static const PlaneSet kNone;
+  const std::vector<int> component =
+      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+  std::vector<PlaneLandmark> landmarks;
+  for (const int wanted : std::set<int>(component.begin(), component.end())) {
+    std::vector<const PlaneSet*> sets = PlaneSets(*problem.scans);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      if (component[i] != wanted) sets[i] = &kNone;
+    }
+    std::vector<PlacedMap> placed = maps;
+    for (auto& map : placed) map.planes = &kNone;
+    for (const auto& pair : *problem.map_pairs) {
+      if (pair.used && component[pair.scan] == wanted) placed[pair.map] = maps[pair.map];
+    }
+    auto found = AssociatePatches(sets, solution.world_from_scan, association, placed);
+    std::move(found.begin(), found.end(), std::back_inserter(landmarks));
+  }
+  return landmarks;
+}
+
 Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
                  const AssociationOptions& association, const MapWeights& weights) {
   Graph graph;
@@ -230,17 +255,15 @@ Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
   for (const auto& pair : *problem.map_pairs) {
     if (pair.used) used.insert(pair.map);
   }
-  static const PlaneSet kNone;
   for (std::size_t m = 0; m < problem.maps->size(); ++m) {
     const MapRecord& map = (*problem.maps)[m];
     graph.maps.push_back({map.id, solution.world_from_metric[m], !used.count(m)});
-    placed.push_back({used.count(m) ? &map.planes : &kNone, solution.world_from_metric[m]});
+    placed.push_back({&map.planes, solution.world_from_metric[m]});
     if (used.count(m) && map.has_position()) {
       AddCameraPositions(map, static_cast<int>(m), &graph);
     }
   }
-  graph.planes =
-      AssociatePatches(PlaneSets(*problem.scans), solution.world_from_scan, association, placed);
+  graph.planes = AssociateComponents(problem, solution, association, placed);
   KeepAnchoredOnly(problem, &graph);
   ShareMapInformation(weights, &graph);
   AddOdometry(*problem.odometry, &graph);

@@ -29,7 +29,39 @@ Eigen::Vector3d MiddleOf(const Georeference& georeference) {
   return (sum / static_cast<double>(georeference.fixes.size())).array().round();
 }
 
+// Positions that the user trusts less, or more, than their residuals say.
+void SetGpsSigma(double sigma, Georeference* georeference) {
+  const double factor = sigma / std::max(georeference->sigma_horizontal, 1e-9);
+  georeference->sigma_horizontal *= factor;
+  georeference->sigma_vertical *= factor;
+  georeference->sigma_scale *= factor;
+  georeference->covariance *= factor * factor;
+}
+
+// Clouds without normals: each surface faces most of the cameras, the nearer ones above all. Where
+// they stand on both sides its orientation stays unknown.
+void OrientByCameras(const std::string& file, const Sim3& metric_from_map, PlaneSet* planes) {
+  constexpr double kMajority = 0.5;
+  std::vector<Eigen::Vector3d> centres;
+  for (const Camera& camera : ReadCameras(file).cameras) {
+    if (camera.valid) centres.push_back(metric_from_map * camera.Centre());
+  }
+  for (Patch& patch : planes->patches) {
+    double facing = 0.0, total = 0.0;
+    for (const Eigen::Vector3d& centre : centres) {
+      const Eigen::Vector3d to_camera = centre - patch.moments.mean;
+      const double weight = std::abs(patch.normal.dot(to_camera)) / std::pow(to_camera.norm(), 3);
+      facing += patch.normal.dot(to_camera) > 0.0 ? weight : -weight;
+      total += weight;
+    }
+    if (std::abs(facing) < kMajority * total || total == 0.0) continue;
+    if (facing < 0.0) patch.normal = -patch.normal;
+    patch.orientation = Orientation::kSensor;
+  }
+}
+
 void SetFrames(const DroneMapSite& site, MapRecord* map) {
+  if (map->has_position() && site.gps_sigma) SetGpsSigma(*site.gps_sigma, &*map->georeference);
   if (map->has_position()) {
     const Eigen::Vector3d shift = MiddleOf(*map->georeference);
     map->world_from_metric = Sim3(1.0, Eigen::Quaterniond::Identity(), shift);
@@ -84,6 +116,9 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   options.threads = threads;
   Segmentation segmentation = SegmentMap(cloud, options);
   map.planes = std::move(segmentation.planes);
+  if (cloud.normals.empty() && !source.cameras.empty()) {
+    OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
+  }
   map.labels = std::move(segmentation.labels);
   map.seconds_segment = Seconds(start);
   return map;

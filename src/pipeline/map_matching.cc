@@ -15,10 +15,10 @@ namespace planegraph {
 namespace {
 
 constexpr std::size_t kMostInGroup = 24;
-constexpr double kLeastAgree = 0.1;        // of a scan's surfaces that the map must confirm
-constexpr double kMostOff = 0.15;          // metres: walls and roofs are thicker
-constexpr double kMostTurned = 0.0175;     // radians
-constexpr double kMostSigma = 0.1;         // metres, of a registration that stands by itself
+constexpr double kLeastAgree = 0.1;     // of a scan's surfaces that the map must confirm
+constexpr double kMostOff = 0.15;       // metres: walls and roofs are thicker
+constexpr double kMostTurned = 0.0175;  // radians
+constexpr double kMostSigma = 0.1;      // metres, of a registration that stands by itself
 
 double Seconds(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -145,9 +145,9 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
   if (!pose && map.has_position()) pose = StartPrior(group);
   if (pose && map.has_position() && !scale_known_[m]) {
     // The receiver's constant bias is as large as what changes of its error.
-    pose->sigma_translation = std::hypot(pose->sigma_translation,
-                                         std::max(map.georeference->sigma_horizontal,
-                                                  map.georeference->sigma_vertical));
+    pose->sigma_translation =
+        std::hypot(pose->sigma_translation,
+                   std::max(map.georeference->sigma_horizontal, map.georeference->sigma_vertical));
   } else if (!scale_known_[m] && !map.has_position()) {
     pose.reset();  // a map without a place of its own
   }
@@ -160,8 +160,8 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
 }
 
 // The laser is metric: the first group that is found in a map says what the map's metre is. The
-// cameras' middle, the origin of the metric frame, stays where GPS has it; without GPS the map comes
-// to where the robots are.
+// cameras' middle, the origin of the metric frame, stays where GPS has it; without GPS the map
+// comes to where the robots are.
 void Placer::CorrectMap(const Group& group, std::size_t m, const Sim3& metric_from_group) {
   if (scale_known_[m]) return;
   scale_known_[m] = true;
@@ -178,8 +178,7 @@ void Placer::Place(const Group& group, std::size_t m, const MapRefinement& found
   CorrectMap(group, m, found.map_from_group);
   const Rigid3 world_from_group =
       RigidNear(placement_.world_from_metric[m] * found.map_from_group, group.centre);
-  const Rigid3 moved =
-      world_from_group * placement_.world_from_scan[group.scans.front()].Inverse();
+  const Rigid3 moved = world_from_group * placement_.world_from_scan[group.scans.front()].Inverse();
   const int wanted = component_[group.scans.front()];
   for (std::size_t i = 0; i < component_.size(); ++i) {
     if (component_[i] != wanted || placement_.placed[i]) continue;
@@ -219,16 +218,10 @@ void Placer::Run(std::vector<MapPairRecord>* records) {
   }
 }
 
-std::size_t CountPlanes(const ScanModel& scan, const MapRefinement& refinement,
-                        const ScanGroup& group, const MapModel& map) {
+// Planes of the scan that have a counterpart in the map.
+std::size_t CountPlanes(const std::vector<PlanePair>& pairs) {
   std::set<std::int32_t> planes;
-  const Eigen::Matrix3d rotation = refinement.map_from_group.rotation.toRotationMatrix();
-  for (const GroupSample& s : SamplesOf(group, scan.samples.size())) {
-    const std::int32_t plane = scan.map.surfels()[s.surfel].segment;
-    if (plane < 0 || planes.count(plane)) continue;
-    const Eigen::Vector3d place = refinement.map_from_group * s.mean;
-    if (map.surfaces().Find(place, rotation * s.normal, kMostOff, 0.94) >= 0) planes.insert(plane);
-  }
+  for (const PlanePair& pair : pairs) planes.insert(pair.source);
   return planes.size();
 }
 
@@ -239,7 +232,8 @@ void Decide(const Sim3& expected, MapPairRecord* record) {
   const double turned = AngleBetween(found.rotation, expected.rotation);
   const double sigma = std::sqrt(record->refinement.covariance.topLeftCorner<3, 3>().trace());
   if (record->evidence.agree < kLeastAgree) {
-    std::snprintf(text, sizeof(text), "not enough overlap: the map confirms %.0f %% of the surfaces",
+    std::snprintf(text, sizeof(text),
+                  "not enough overlap: the map confirms %.0f %% of the surfaces",
                   100.0 * record->evidence.agree);
   } else if (sigma > kMostSigma) {
     record->status = RegistrationStatus::kDegenerate;
@@ -266,7 +260,8 @@ MapPairRecord RegisterToMap(const ScanModel& scan, const MapModel& map,
   record.refinement = RefineInMap(map, group, metric_from_scan, options);
   const double gate = std::max(0.1, 5.0 * map.planes().noise.constant);
   record.evidence = MeasureEvidence(map, group, metric_from_scan, gate);
-  record.correspondences = CountPlanes(scan, record.refinement, group, map);
+  record.correspondences =
+      CountPlanes(MapCorrespondences(map, scan, record.refinement.map_from_group, gate));
   Decide(metric_from_scan, &record);
   record.seconds = Seconds(start);
   return record;
@@ -295,8 +290,8 @@ std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,
   std::vector<MapPairRecord> records(jobs.size());
   ParallelFor(jobs.size(), threads, [&](std::size_t k) {
     const auto [m, i] = jobs[k];
-    const Sim3 metric_from_scan = placement.world_from_metric[m].Inverse() *
-                                  Sim3(placement.world_from_scan[i]);
+    const Sim3 metric_from_scan =
+        placement.world_from_metric[m].Inverse() * Sim3(placement.world_from_scan[i]);
     records[k] = RegisterToMap(models[i], map_models[m], metric_from_scan);
     records[k].map = m;
     records[k].scan = i;
@@ -310,8 +305,8 @@ double MapVarianceFactor(const std::vector<MapPairRecord>& records, const Placem
   std::vector<double> ratios;
   for (const MapPairRecord& record : records) {
     if (!record.used || record.map != map) continue;
-    const Sim3 expected = placement.world_from_metric[map].Inverse() *
-                          Sim3(placement.world_from_scan[record.scan]);
+    const Sim3 expected =
+        placement.world_from_metric[map].Inverse() * Sim3(placement.world_from_scan[record.scan]);
     const Sim3& found = record.refinement.map_from_group;
     Vector6d difference;
     difference << found.translation - expected.translation,

@@ -99,9 +99,9 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
                     Placement* placement, MapResult* result) {
   std::vector<MapModel> map_models;
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
-  PlaceInMaps(result->site, models, result->scans,
-              Components(result->scans.size(), result->pairs), result->odometry, result->maps,
-              map_models, options.threads, placement, &result->map_pairs);
+  PlaceInMaps(result->site, models, result->scans, Components(result->scans.size(), result->pairs),
+              result->odometry, result->maps, map_models, options.threads, placement,
+              &result->map_pairs);
   if (options.optimizer == "graph") {
     std::vector<int> frames = FramesOf(result->site, result->scans);
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -113,15 +113,25 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
   std::move(records.begin(), records.end(), std::back_inserter(result->map_pairs));
 }
 
-// Step q of the paper: the metascan, on the same segments.
-JointSolution MatchSimultaneously(const std::vector<Rigid3>& start, MapResult* result) {
+// Step q of the paper: the metascan, on the same segments. Scans that a drone map covers have their
+// registration to it; the others are matched to each other and to these.
+JointSolution MatchSimultaneously(const Placement& placement, MapResult* result) {
+  std::vector<Rigid3> start = placement.world_from_scan;
+  MetascanOptions options;
+  options.fixed.assign(start.size(), false);
+  for (const MapPairRecord& pair : result->map_pairs) {
+    if (!pair.used || options.fixed[pair.scan]) continue;
+    const Sim3 found = placement.world_from_metric[pair.map] * pair.refinement.map_from_group;
+    start[pair.scan] = {found.rotation, found.translation};
+    options.fixed[pair.scan] = true;
+  }
   std::vector<PlaneSet> sets;
   for (const auto& scan : result->scans) {
     sets.emplace_back();
     sets.back().kind = scan.planes.kind;
     sets.back().planes = scan.planes.planes;
   }
-  const MetascanResult metascan = OptimizeMetascan(sets, start);
+  const MetascanResult metascan = OptimizeMetascan(sets, start, options);
   if (!metascan.terminated) {
     result->warnings.push_back("the metascan's queue did not run empty; it was stopped");
   }
@@ -154,13 +164,13 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
   result->solution.world_from_scan = placement.world_from_scan;
   result->solution.world_from_metric = placement.world_from_metric;
   if (options.optimizer == "graph") {
-    result->solution = SolveJointly({&result->site, &result->scans, &result->pairs,
-                                     &result->odometry, &result->maps, &result->map_pairs,
-                                     &placement},
-                                    options);
+    result->solution =
+        SolveJointly({&result->site, &result->scans, &result->pairs, &result->odometry,
+                      &result->maps, &result->map_pairs, &placement},
+                     options);
   }
   if (options.optimizer == "metascan") {
-    result->solution = MatchSimultaneously(placement.world_from_scan, result);
+    result->solution = MatchSimultaneously(placement, result);
     result->solution.world_from_metric = placement.world_from_metric;
   }
 }

@@ -274,13 +274,11 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
   for (std::size_t r = 0; r < result.site.robots.size(); ++r) {
     if (!result.site.robots[r].reference.empty()) Evaluate(result, r, &report);
   }
-  report["stage_seconds"] = {{"front_end", result.seconds.front_end},
-                             {"maps", result.seconds.maps},
-                             {"registration", result.seconds.pairing},
-                             {"placing", result.seconds.placing},
-                             {"solve", result.seconds.solve},
-                             {"covariance", result.seconds.covariance},
-                             {"output", result.seconds.output}};
+  report["stage_seconds"] = {
+      {"front_end", result.seconds.front_end},  {"maps", result.seconds.maps},
+      {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},
+      {"solve", result.seconds.solve},          {"covariance", result.seconds.covariance},
+      {"output", result.seconds.output}};
   report["peak_memory_bytes"] = PeakMemoryBytes();
   return report.dump(1);
 }

@@ -46,8 +46,7 @@ std::vector<GroupSample> Surfels(const ScanGroup& group, std::size_t most) {
     const auto& surfels = group.scans[s]->map.surfels();
     const Rigid3& pose = group.group_from_scan[s];
     for (std::uint32_t i = 0; i < surfels.size(); i += static_cast<std::uint32_t>(stride)) {
-      samples.push_back(
-          {pose * surfels[i].mean, pose.rotation * surfels[i].normal, 1.0, s, i});
+      samples.push_back({pose * surfels[i].mean, pose.rotation * surfels[i].normal, 1.0, s, i});
     }
   }
   return samples;
@@ -56,7 +55,10 @@ std::vector<GroupSample> Surfels(const ScanGroup& group, std::size_t most) {
 class Refiner {
  public:
   Refiner(const MapModel& map, const ScanGroup& group, const MapRefinementOptions& options)
-      : map_(map), group_(group), options_(options), samples_(Surfels(group, options.most_surfels)) {}
+      : map_(map),
+        group_(group),
+        options_(options),
+        samples_(Surfels(group, options.most_surfels)) {}
 
   MapRefinement Run(Sim3 pose) const;
 

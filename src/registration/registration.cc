@@ -45,6 +45,19 @@ Candidate Evaluate(const ScanModel& target, const ScanModel& source, Refinement 
   return c;
 }
 
+// A start metres off can still be centimetres off when the iterations end, too little for the
+// quality to tell. Goes on from there, unless that loses evidence: then it drifts along a weak
+// direction.
+Candidate Settle(const ScanModel& target, const ScanModel& source, Candidate best,
+                 const RegistrationOptions& options) {
+  constexpr double kTwoSamples = 0.01;  // of the quality: nothing that the samples could tell
+  if (best.refinement.converged) return best;
+  Candidate further = Evaluate(
+      target, source,
+      RefinePose(target, source, best.refinement.target_from_source, options.refinement), options);
+  return further.quality > best.quality - kTwoSamples ? further : best;
+}
+
 double RunnerUp(const std::vector<Candidate>& candidates) {
   for (std::size_t k = 1; k < candidates.size(); ++k) {
     if (Compete(candidates[0].refinement.target_from_source,
@@ -248,8 +261,9 @@ Registration Register(const ScanModel& target, const ScanModel& source,
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.quality > b.quality; });
   const double runner_up = RunnerUp(candidates);
-  auto neighbours = RefineTurned(target, source, candidates[0].refinement, options);
-  Candidate best = MergeNeighbours(std::move(candidates[0]), std::move(neighbours), options);
+  Candidate best = Settle(target, source, std::move(candidates[0]), options);
+  auto neighbours = RefineTurned(target, source, best.refinement, options);
+  best = MergeNeighbours(std::move(best), std::move(neighbours), options);
   RegistrationOptions alone = options;
   alone.least_quality = std::max(options.least_quality, options.least_quality_alone);
   return Finish(target, source, std::move(best), runner_up, alone);

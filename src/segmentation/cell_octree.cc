@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kBitsPerAxis = 21;
 constexpr std::uint32_t kEmpty = 0xffffffffu;
+constexpr std::uint64_t kEveryThird = 0x1249249249249249;  // bits of one axis
 
 // Spreads the lowest 21 bits so that two zero bits follow each.
 std::uint64_t Spread(std::uint64_t x) {
@@ -60,6 +61,15 @@ void RadixSort(std::vector<KeyedIndex>* values, std::uint64_t largest) {
   }
 }
 
+// Runs of equal keys: the number of cells to come, so that no list of them has to grow.
+template <typename T, typename KeyOf>
+std::size_t CountRuns(const std::vector<T>& values, const KeyOf& key_of) {
+  std::size_t runs = values.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    runs += key_of(values[i]) != key_of(values[i - 1]);
+  return runs;
+}
+
 Eigen::Vector3f Minimum(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3f minimum = points.front();
   for (const auto& p : points) minimum = minimum.cwiseMin(p);
@@ -102,6 +112,7 @@ Moments CellSums::ToMoments() const {
 CellOctree::CellOctree(const Cloud& cloud, double cell_size, int levels) : cell_size_(cell_size) {
   if (cloud.points.empty()) {
     levels_.resize(levels);
+    sums_.resize(levels);
     tables_.resize(levels);
     for (int level = 0; level < levels; ++level) BuildTable(level);
     return;
@@ -141,57 +152,85 @@ std::vector<std::uint64_t> CellOctree::SortPoints(const Cloud& cloud) {
 
 void CellOctree::BuildFinest(const std::vector<std::uint64_t>& keys) {
   levels_.emplace_back();
+  sums_.emplace_back();
   auto& cells = levels_.back();
+  cells.reserve(CountRuns(keys, [](std::uint64_t key) { return key; }));
   for (std::uint32_t i = 0; i < keys.size(); ++i) {
-    if (cells.empty() || cells.back().key != keys[i]) cells.push_back({keys[i], i, 0, 0, 0, 0, {}});
+    if (cells.empty() || cells.back().key != keys[i]) cells.push_back({keys[i], i, 0, 0, 0});
     cells.back().point_count++;
-    cells.back().sums.Add(sorted_points_[i]);
   }
+}
+
+CellSums CellOctree::FinestSums(const Cell& cell) const {
+  CellSums sums;
+  for (std::uint32_t i = 0; i < cell.point_count; ++i) {
+    sums.Add(sorted_points_[cell.first_point + i]);
+  }
+  return sums;
 }
 
 void CellOctree::BuildNext() {
   std::vector<Cell> cells;
-  auto& below = levels_.back();
+  std::vector<CellSums> sums;
+  const auto& below = levels_.back();
+  const int level_below = levels() - 1;
+  cells.reserve(CountRuns(below, [](const Cell& cell) { return cell.key >> 3; }));
+  sums.reserve(cells.capacity());
   for (std::uint32_t i = 0; i < below.size(); ++i) {
     const std::uint64_t key = below[i].key >> 3;
     if (cells.empty() || cells.back().key != key) {
-      cells.push_back({key, below[i].first_point, 0, i, 0, 0, {}});
+      cells.push_back({key, below[i].first_point, 0, i, 0});
+      sums.emplace_back();
     }
     cells.back().point_count += below[i].point_count;
     cells.back().child_count++;
-    cells.back().sums.Add(below[i].sums);
-    below[i].parent = static_cast<std::uint32_t>(cells.size() - 1);
+    sums.back().Add(Sums(level_below, i));
   }
   levels_.push_back(std::move(cells));
+  sums_.push_back(std::move(sums));
 }
 
 void CellOctree::BuildTable(int level) {
   const auto& cells = levels_[level];
   std::size_t size = 16;
-  while (size < 2 * cells.size()) size *= 2;
+  while (3 * size < 4 * cells.size()) size *= 2;
   HashTable& table = tables_[level];
   table.mask = size - 1;
-  table.slots.assign(size, kEmpty);
+  table.slots.assign(size, {kEmpty, 0});
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    std::uint64_t slot = HashKey(cells[i].key) & table.mask;
-    while (table.slots[slot] != kEmpty) slot = (slot + 1) & table.mask;
-    table.slots[slot] = i;
+    const std::uint64_t hash = HashKey(cells[i].key);
+    std::uint64_t slot = hash & table.mask;
+    while (table.slots[slot].cell != kEmpty) slot = (slot + 1) & table.mask;
+    table.slots[slot] = {i, static_cast<std::uint32_t>(hash >> 32)};
   }
 }
 
 int CellOctree::Find(int level, const Eigen::Vector3i& coordinates) const {
-  const std::uint64_t key = MortonKey(coordinates);
+  return Find(level, MortonKey(coordinates));
+}
+
+int CellOctree::Find(int level, std::uint64_t key) const {
   const HashTable& table = tables_[level];
-  for (std::uint64_t slot = HashKey(key) & table.mask; table.slots[slot] != kEmpty;
-       slot = (slot + 1) & table.mask) {
-    if (levels_[level][table.slots[slot]].key == key) return static_cast<int>(table.slots[slot]);
+  const std::uint64_t hash = HashKey(key);
+  const auto tag = static_cast<std::uint32_t>(hash >> 32);
+  for (std::uint64_t at = hash & table.mask;; at = (at + 1) & table.mask) {
+    const Slot slot = table.slots[at];
+    if (slot.cell == kEmpty) return -1;
+    if (slot.tag == tag && levels_[level][slot.cell].key == key) return static_cast<int>(slot.cell);
   }
-  return -1;
 }
 
 Eigen::Vector3i CellOctree::Coordinates(std::uint64_t key) {
   return {static_cast<int>(Compact(key)), static_cast<int>(Compact(key >> 1)),
           static_cast<int>(Compact(key >> 2))};
+}
+
+NeighbourKeys::NeighbourKeys(std::uint64_t key) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint64_t mask = kEveryThird << axis, one = std::uint64_t{1} << axis;
+    // With ones in all other bits a carry passes over them; with zeros a borrow does.
+    parts_[axis] = {((key & mask) - one) & mask, key & mask, ((key | ~mask) + one) & mask};
+  }
 }
 
 }  // namespace planegraph

@@ -6,7 +6,7 @@
 namespace planegraph {
 namespace {
 
-constexpr double kLeastPoints = 5;
+constexpr std::uint32_t kLeastPoints = 5;
 
 struct Splitter {
   const CellOctree& octree;
@@ -24,8 +24,8 @@ struct Splitter {
 };
 
 bool Splitter::TryPlanar(int level, std::uint32_t index) {
-  const CellSums& sums = octree.Level(level)[index].sums;
-  if (sums.count < kLeastPoints) return false;
+  if (octree.Level(level)[index].point_count < kLeastPoints) return false;
+  const CellSums sums = octree.Sums(level, index);
   const Moments moments = sums.ToMoments();
   const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
   const Sighting seen(cloud, options.kind, moments.mean, axes.vectors.col(0));
@@ -117,13 +117,15 @@ bool IsPlanar(double smallest_eigenvalue, double count, double sigma, double pla
 std::vector<NoiseSample> CollectNoiseSamples(const CellOctree& octree, const Cloud& cloud,
                                              CloudKind kind) {
   // Cells well above the noise and well below the objects; enough points for a variance.
-  const int level = kind == CloudKind::kLaser ? 2 : 1;
-  constexpr double kEnough = 12;
+  const int wanted = kind == CloudKind::kLaser ? 2 : 1;
+  constexpr std::uint32_t kEnough = 12;
   constexpr double kNotALine = 0.1;
   std::vector<NoiseSample> samples;
-  for (const auto& cell : octree.Level(std::min(level, octree.levels() - 1))) {
-    if (cell.sums.count < kEnough) continue;
-    const Moments moments = cell.sums.ToMoments();
+  const int level = std::min(wanted, octree.levels() - 1);
+  const auto& cells = octree.Level(level);
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].point_count < kEnough) continue;
+    const Moments moments = octree.Sums(level, i).ToMoments();
     const PrincipalAxes axes = ComputePrincipalAxes(moments.scatter);
     const double variance = axes.values[0] / (moments.count - 3.0);
     // No plane at all: edges, clutter, a single scan line.

@@ -13,8 +13,8 @@ struct PlanarCell {
   std::uint32_t index;  ///< in octree.Level(level)
   Eigen::Vector3d mean, normal;
   double count;
-  double sigma;  ///< expected noise of one of its points along the normal, metres
-  double tilt;   ///< standard deviation of its normal about the worse axis, radians
+  double sigma;             ///< expected noise of one of its points along the normal, metres
+  double tilt;              ///< standard deviation of its normal about the worse axis, radians
   Orientation orientation;  ///< how the sign of the normal was found
 };
 

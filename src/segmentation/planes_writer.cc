@@ -48,9 +48,17 @@ Json PlaneToJson(const PlaneSegment& segment, const Eigen::Vector3d& offset) {
           {"mask", MaskToJson(segment.mask)}};
 }
 
-Json PatchesToJson(const std::vector<Patch>& patches) {
+// `"name":"packed"`: Json would look at each digit of these long texts for what must be escaped.
+std::string PackedMember(const char* name, const std::string& packed) {
+  return std::string("\"") + name + "\":\"" + packed + "\"";
+}
+
+std::string FormatPatches(const std::vector<Patch>& patches) {
+  constexpr std::size_t kValuesPerPatch = 15;
   std::vector<double> values;
+  values.reserve(kValuesPerPatch * patches.size());
   std::vector<std::int32_t> segments;
+  segments.reserve(patches.size());
   for (const Patch& patch : patches) {
     const Eigen::Matrix3d& s = patch.moments.scatter;
     values.push_back(patch.moments.count);
@@ -63,12 +71,13 @@ Json PatchesToJson(const std::vector<Patch>& patches) {
     values.push_back(patch.sigma);
     segments.push_back(patch.segment);
   }
-  return {
-      {"count", patches.size()}, {"values", PackArray(values)}, {"segments", PackArray(segments)}};
+  return "{\"count\":" + std::to_string(patches.size()) + "," +
+         PackedMember("values", PackArray(values)) + "," +
+         PackedMember("segments", PackArray(segments)) + "}";
 }
 
 // Only the pixels that hold a return, as pairs of nearest and farthest.
-Json RangeImageToJson(const RangeImage& image) {
+std::string FormatRangeImage(const RangeImage& image) {
   std::vector<std::uint8_t> seen;
   std::vector<float> ranges;
   for (std::size_t i = 0; i < image.nearest().size(); ++i) {
@@ -77,9 +86,9 @@ Json RangeImageToJson(const RangeImage& image) {
     ranges.push_back(image.nearest()[i]);
     ranges.push_back(image.farthest()[i]);
   }
-  return {{"viewpoint", ToJson(image.viewpoint())},
-          {"seen", PackBits(seen)},
-          {"ranges", PackArray(ranges)}};
+  return "{\"viewpoint\":" + ToJson(image.viewpoint()).dump() + "," +
+         PackedMember("seen", PackBits(seen)) + "," + PackedMember("ranges", PackArray(ranges)) +
+         "}";
 }
 
 }  // namespace
@@ -100,9 +109,9 @@ std::string FormatPlanes(const PlaneSet& set, const std::string& stamp) {
     text += (&segment == set.planes.data() ? "\n" : ",\n");
     text += PlaneToJson(segment, set.offset).dump();
   }
-  text += "],\n\"patches\": " + PatchesToJson(set.patches).dump();
+  text += "],\n\"patches\": " + FormatPatches(set.patches);
   if (!set.range_image.empty()) {
-    text += ",\n\"range_image\": " + RangeImageToJson(set.range_image).dump();
+    text += ",\n\"range_image\": " + FormatRangeImage(set.range_image);
   }
   return text + "}\n";
 }

@@ -53,8 +53,8 @@ class Grower {
   std::vector<Region> Run();
 
  private:
-  const CellSums& Sums(std::uint32_t cell) const {
-    return octree_.Level(split_.planar[cell].level)[split_.planar[cell].index].sums;
+  CellSums Sums(std::uint32_t cell) const {
+    return octree_.Sums(split_.planar[cell].level, split_.planar[cell].index);
   }
   std::vector<std::uint32_t> SeedsByQuality() const;
   void Grow(std::uint32_t seed);
@@ -142,13 +142,12 @@ std::vector<Region> Grower::Run() {
   return std::move(regions_);
 }
 
-// The planar cell at or above `coordinates` of `level`, or a negative mark.
+// The planar cell at or above that of the Morton code at `level`, or a negative mark.
 std::int32_t OwnerAt(const CellOctree& octree, const CellSplit& split, int level,
-                     Eigen::Vector3i coordinates) {
-  for (int l = level; l < octree.levels(); ++l) {
-    const int cell = octree.Find(l, coordinates);
+                     std::uint64_t key) {
+  for (int l = level; l < octree.levels(); ++l, key >>= 3) {
+    const int cell = octree.Find(l, key);
     if (cell >= 0) return split.owner[l][cell];
-    coordinates /= 2;
     // An empty cell may still lie in a coarser planar one; only that is worth going on for.
   }
   return CellSplit::kSplit;
@@ -173,11 +172,10 @@ std::vector<std::vector<std::uint32_t>> FindNeighbours(const CellOctree& octree,
   std::vector<std::vector<std::uint32_t>> neighbours(split.planar.size());
   for (std::uint32_t i = 0; i < split.planar.size(); ++i) {
     const PlanarCell& cell = split.planar[i];
-    const Eigen::Vector3i at = CellOctree::Coordinates(octree.Level(cell.level)[cell.index].key);
+    const NeighbourKeys keys(octree.Level(cell.level)[cell.index].key);
     for (int k = 0; k < 27; ++k) {
       if (k == 13) continue;
-      const Eigen::Vector3i offset(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      const std::int32_t other = OwnerAt(octree, split, cell.level, at + offset);
+      const std::int32_t other = OwnerAt(octree, split, cell.level, keys.At(k));
       if (other < 0 || static_cast<std::uint32_t>(other) == i) continue;
       neighbours[i].push_back(static_cast<std::uint32_t>(other));
       neighbours[other].push_back(i);

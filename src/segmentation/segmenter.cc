@@ -22,7 +22,8 @@ class Segmenter {
       : cloud_(cloud),
         options_(options),
         octree_(cloud, options.cell_size, options.levels),
-        noise_(options.noise ? *options.noise : EstimateNoise(CollectNoiseSamples(octree_, cloud, options.kind))),
+        noise_(options.noise ? *options.noise
+                             : EstimateNoise(CollectNoiseSamples(octree_, cloud, options.kind))),
         split_(SplitIntoPlanarCells(octree_, cloud, noise_, options)) {}
 
   Segmentation Run();
@@ -67,8 +68,7 @@ void Segmenter::KeepLargeRegions() {
 
 // A region faces where most of its cells do.
 Plane Segmenter::PlaneOf(const Region& region) const {
-  const Plane plane =
-      LeastSquaresPlane(region.sums.ToMoments(), cloud_.viewpoint - cloud_.offset);
+  const Plane plane = LeastSquaresPlane(region.sums.ToMoments(), cloud_.viewpoint - cloud_.offset);
   if (options_.kind == CloudKind::kLaser) return plane;
   double facing = 0.0;
   for (const std::uint32_t cell : region.cells) {
@@ -116,10 +116,9 @@ void Segmenter::CollectSegments(std::uint32_t index, std::vector<std::int32_t>* 
 
 std::vector<std::int32_t> Segmenter::SegmentsAround(std::uint32_t index) const {
   std::vector<std::int32_t> found;
-  const Eigen::Vector3i at = CellOctree::Coordinates(octree_.Level(kBoundaryLevel)[index].key);
+  const NeighbourKeys keys(octree_.Level(kBoundaryLevel)[index].key);
   for (int k = 0; k < 27; ++k) {
-    const int cell =
-        octree_.Find(kBoundaryLevel, at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+    const int cell = octree_.Find(kBoundaryLevel, keys.At(k));
     if (cell >= 0) CollectSegments(static_cast<std::uint32_t>(cell), &found);
   }
   return found;
@@ -132,11 +131,15 @@ void Segmenter::LabelRoughPoints(std::uint32_t first, std::uint32_t count,
   constexpr double kGate = 2.5;
   for (std::uint32_t i = first; i < first + count; ++i) {
     const Eigen::Vector3d point = octree_.sorted_points()[i].cast<double>();
+    const double range = (point + cloud_.offset - cloud_.viewpoint).norm();
+    // The noise is below the sum of its parts, so most planes are out before it is known exactly.
+    const double farthest = 1.001 * kGate * (noise_.AlongBeam(range) + NoiseModel::kSurface);
     double best = kGate;
     for (const std::int32_t s : near) {
+      const double metres = std::abs(planes_[s].SignedDistance(point));
+      if (metres > farthest) continue;
       const Sighting seen(cloud_, options_.kind, point, planes_[s].normal);
-      const double sigma = noise_.AlongNormal(seen.range, seen.cosine);
-      const double distance = std::abs(planes_[s].SignedDistance(point)) / sigma;
+      const double distance = metres / noise_.AlongNormal(seen.range, seen.cosine);
       if (distance < best) best = distance, sorted_labels_[i] = s;
     }
   }
@@ -186,9 +189,9 @@ void Segmenter::CollectPatches() {
   result_.planes.patches.reserve(split_.planar.size());
   for (std::size_t c = 0; c < split_.planar.size(); ++c) {
     const PlanarCell& cell = split_.planar[c];
-    result_.planes.patches.push_back({octree_.Level(cell.level)[cell.index].sums.ToMoments(),
-                                      cell.normal, octree_.CellSize(cell.level), cell.sigma,
-                                      segment_of_cell_[c], cell.orientation});
+    result_.planes.patches.push_back({octree_.Sums(cell.level, cell.index).ToMoments(), cell.normal,
+                                      octree_.CellSize(cell.level), cell.sigma, segment_of_cell_[c],
+                                      cell.orientation});
   }
 }
 

@@ -71,8 +71,7 @@ std::string GpsText(const SimulatedGps& track, const GeodeticPosition& origin) {
   std::string text = "time,lat,lon,alt\n";
   for (std::size_t k = 0; k < track.times.size(); ++k) {
     const GeodeticPosition at = frame.ToGeodetic(track.positions[k]);
-    text +=
-        Format("%.3f,%.9f,%.9f,%.3f\n", track.times[k], at.latitude, at.longitude, at.altitude);
+    text += Format("%.3f,%.9f,%.9f,%.3f\n", track.times[k], at.latitude, at.longitude, at.altitude);
   }
   return text;
 }

@@ -9,11 +9,11 @@
 namespace planegraph {
 namespace {
 
-// A patch of one scan or map in the world.
+// A patch of one scan or map in the world: one line of the cache.
 struct WorldPatch {
   Eigen::Vector3d mean, normal;
-  double quality;  ///< seeds go from the largest spread of points to the smallest
   std::int32_t node, index;
+  std::uint32_t rank;  ///< seeds go from the largest spread of points to the smallest
 };
 
 // A scan, or a map behind them.
@@ -23,8 +23,8 @@ struct Node {
   bool is_map;
 };
 
-std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans,
-                        const std::vector<Rigid3>& poses, const std::vector<PlacedMap>& maps) {
+std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
+                        const std::vector<PlacedMap>& maps) {
   std::vector<Node> nodes;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     nodes.push_back({scans[s], Sim3(poses[s]), false});
@@ -33,21 +33,20 @@ std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans,
   return nodes;
 }
 
-// Buckets of patches by the cell that their mean lies in.
+// Buckets of patches by the cell that their mean lies in; brings the patches into their order.
 class Buckets {
  public:
-  Buckets(const std::vector<WorldPatch>& patches, double cell) : cell_(cell) {
+  Buckets(double cell, std::vector<WorldPatch>* patches) : cell_(cell) {
     std::uint64_t slots = 64;
-    while (slots < patches.size()) slots *= 2;
+    while (slots < patches->size()) slots *= 2;
     mask_ = slots - 1;
     starts_.assign(slots + 1, 0);
-    for (const auto& p : patches) ++starts_[Slot(CellOf(p.mean)) + 1];
+    for (const auto& p : *patches) ++starts_[Slot(CellOf(p.mean)) + 1];
     std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-    items_.resize(patches.size());
     std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-    for (std::uint32_t i = 0; i < patches.size(); ++i) {
-      items_[next[Slot(CellOf(patches[i].mean))]++] = i;
-    }
+    std::vector<WorldPatch> sorted(patches->size());
+    for (const auto& p : *patches) sorted[next[Slot(CellOf(p.mean))]++] = p;
+    patches->swap(sorted);
   }
 
   // Calls visit(i) for the patches in the 27 cells about a point; some lie farther off, and one may
@@ -57,7 +56,7 @@ class Buckets {
     const Eigen::Vector3i at = CellOf(point);
     for (int k = 0; k < 27; ++k) {
       const std::uint64_t slot = Slot(at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-      for (std::uint32_t i = starts_[slot]; i < starts_[slot + 1]; ++i) visit(items_[i]);
+      for (std::uint32_t i = starts_[slot]; i < starts_[slot + 1]; ++i) visit(i);
     }
   }
 
@@ -74,7 +73,7 @@ class Buckets {
 
   double cell_;
   std::uint64_t mask_ = 0;
-  std::vector<std::uint32_t> starts_, items_;
+  std::vector<std::uint32_t> starts_;
 };
 
 class Associator {
@@ -87,6 +86,7 @@ class Associator {
     return nodes_[w.node].planes->patches[w.index];
   }
   bool IsMap(std::uint32_t patch) const { return nodes_[patches_[patch].node].is_map; }
+  void RankPatches();
   double IndependentPoints(const Patch& patch, bool is_map) const;
   std::vector<std::uint32_t> Collect(const Eigen::Vector3d& centre, const Plane& plane) const;
   Plane FitPlane(const std::vector<std::uint32_t>& members) const;
@@ -99,6 +99,7 @@ class Associator {
   const std::size_t scan_count_;
   const AssociationOptions& options_;
   std::vector<WorldPatch> patches_;
+  std::vector<std::uint32_t> by_rank_;
   std::vector<std::uint8_t> taken_;
   mutable std::vector<std::uint32_t> stamp_;
   mutable std::uint32_t epoch_ = 0;
@@ -113,16 +114,28 @@ Associator::Associator(std::vector<Node> nodes, std::size_t scan_count,
     for (std::size_t i = 0; i < nodes_[n].planes->patches.size(); ++i) {
       const Patch& patch = nodes_[n].planes->patches[i];
       patches_.push_back({world_from_node * patch.moments.mean,
-                          world_from_node.rotation * patch.normal,
-                          patch.size * std::sqrt(patch.moments.count), static_cast<std::int32_t>(n),
-                          static_cast<std::int32_t>(i)});
+                          world_from_node.rotation * patch.normal, static_cast<std::int32_t>(n),
+                          static_cast<std::int32_t>(i), 0});
     }
   }
-  std::stable_sort(patches_.begin(), patches_.end(),
-                   [](const auto& a, const auto& b) { return a.quality > b.quality; });
+  RankPatches();
   taken_.assign(patches_.size(), 0);
   stamp_.assign(patches_.size(), 0);
-  buckets_ = std::make_unique<Buckets>(patches_, options.radius);
+  buckets_ = std::make_unique<Buckets>(options.radius, &patches_);
+  by_rank_.resize(patches_.size());
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) by_rank_[patches_[i].rank] = i;
+}
+
+void Associator::RankPatches() {
+  std::vector<std::pair<double, std::uint32_t>> order;
+  order.reserve(patches_.size());
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) {
+    const Patch& patch = PatchOf(patches_[i]);
+    order.push_back({patch.size * std::sqrt(patch.moments.count), i});
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::uint32_t r = 0; r < order.size(); ++r) patches_[order[r].second].rank = r;
 }
 
 double Associator::IndependentPoints(const Patch& patch, bool is_map) const {
@@ -149,13 +162,14 @@ std::vector<std::uint32_t> Associator::Collect(const Eigen::Vector3d& centre,
     stamp_[i] = epoch_;
     members.push_back(i);
   });
-  std::sort(members.begin(), members.end());
+  std::sort(members.begin(), members.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return patches_[a].rank < patches_[b].rank; });
   return members;
 }
 
 Plane Associator::FitPlane(const std::vector<std::uint32_t>& members) const {
-  const bool only_maps = std::all_of(members.begin(), members.end(),
-                                     [&](std::uint32_t i) { return IsMap(i); });
+  const bool only_maps =
+      std::all_of(members.begin(), members.end(), [&](std::uint32_t i) { return IsMap(i); });
   Moments sum;
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();
   for (const std::uint32_t i : members) {
@@ -174,8 +188,8 @@ bool Associator::SeveralScans(const std::vector<std::uint32_t>& members) const {
   const bool several = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
     return patches_[i].node != patches_[members.front()].node;
   });
-  return several && std::any_of(members.begin(), members.end(),
-                                [&](std::uint32_t i) { return !IsMap(i); });
+  return several &&
+         std::any_of(members.begin(), members.end(), [&](std::uint32_t i) { return !IsMap(i); });
 }
 
 PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, std::size_t first,
@@ -235,7 +249,7 @@ PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
 
 std::vector<PlaneLandmark> Associator::Run() {
   std::vector<PlaneLandmark> landmarks;
-  for (std::uint32_t seed = 0; seed < patches_.size(); ++seed) {
+  for (const std::uint32_t seed : by_rank_) {
     if (taken_[seed] || IsMap(seed)) continue;
     const WorldPatch& p = patches_[seed];
     auto members = Collect(p.mean, {p.normal, p.normal.dot(p.mean)});

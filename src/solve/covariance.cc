@@ -19,7 +19,8 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A quantity of six dimensions, linear in the perturbations of the poses and maps: its derivative
-// (rows: 6 for each pose, then 7 for each map), and the pose whose scale tells when a variance of it is infinite.
+// (rows: 6 for each pose, then 7 for each map), and the pose whose scale tells when a variance of
+// it is infinite.
 struct Quantity {
   MatrixXd by_poses;
   int scale_pose = 0;
@@ -84,7 +85,8 @@ class GraphCovariance::Implementation {
   }
 
   Matrix7d MapCovariance(int map) const {
-    const Eigen::Index first = Dimensions(graph_) - 7 * static_cast<int>(graph_.maps.size()) + 7 * map;
+    const Eigen::Index first =
+        Dimensions(graph_) - 7 * static_cast<int>(graph_.maps.size()) + 7 * map;
     MatrixXd by_nodes = MatrixXd::Zero(7, Dimensions(graph_));
     by_nodes.middleCols<7>(first).setIdentity();
     const Matrix7d covariance = by_nodes * all_->Solve(by_nodes.transpose());

@@ -37,6 +37,7 @@ class Metascan {
   bool Move(std::size_t scan, const std::vector<std::size_t>& neighbours);
   std::vector<PlaneMatch> Associate(const std::vector<WorldSegment>& current,
                                     std::vector<MetaSegment>* metascan, double shrink) const;
+  bool Fixed(std::size_t scan) const;
   bool Changed(const Rigid3& before, const Rigid3& after) const;
 
   const std::vector<PlaneSet>& scans_;
@@ -100,6 +101,10 @@ std::vector<PlaneMatch> Metascan::Associate(const std::vector<WorldSegment>& cur
   return matches;
 }
 
+bool Metascan::Fixed(std::size_t scan) const {
+  return scan < options_.fixed.size() && options_.fixed[scan];
+}
+
 bool Metascan::Changed(const Rigid3& before, const Rigid3& after) const {
   return (before.translation - after.translation).norm() > options_.min_translation ||
          AngleBetween(before.rotation, after.rotation) >
@@ -140,7 +145,7 @@ void Metascan::Join(std::size_t scan) {
     result_.pops++;
     const std::size_t current = queue.front();
     queue.pop_front();
-    if (current == 0) continue;
+    if (current == 0 || Fixed(current)) continue;
     const auto neighbours = Neighbours(current, joined);
     if (neighbours.empty()) {
       if (current == scan) result_.alone.push_back(scan);
@@ -157,6 +162,10 @@ MetascanResult Metascan::Run() {
   const std::vector<Rigid3> start = result_.poses;
   if (!scans_.empty()) Place(0);
   for (std::size_t scan = 1; scan < scans_.size(); ++scan) {
+    if (Fixed(scan)) {
+      Place(scan);
+      continue;
+    }
     result_.poses[scan] = result_.poses[scan - 1] * (start[scan - 1].Inverse() * start[scan]);
     Join(scan);
   }

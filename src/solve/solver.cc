@@ -50,8 +50,8 @@ BlockUse FindUsedBlocks(const Graph& graph, const Assembly& assembly) {
   return use;
 }
 
-void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge,
-               Manifolds* manifolds, Assembly* assembly, ceres::Problem* problem) {
+void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge, Manifolds* manifolds,
+               Assembly* assembly, ceres::Problem* problem) {
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i) {
     if (!use.poses[i]) continue;
     problem->AddParameterBlock(assembly->PoseBlock(i), kPoseSize, &manifolds->pose);

@@ -34,6 +34,19 @@ TEST(Se3Manifold, InvariantsHold) {
   }
 }
 
+TEST(Sim3Manifold, InvariantsHold) {
+  std::mt19937_64 rng(4);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    FactorSampler sampler(&rng);
+    const Sim3 map(2.0, sampler.Rotation(), sampler.UnitVector());
+    const Sim3 other(0.5, ExpSO3(0.9 * sampler.UnitVector()) * map.rotation, sampler.UnitVector());
+    const auto x_block = FactorSampler::Block(map), y_block = FactorSampler::Block(other);
+    const Vector x = Eigen::Map<const Vector>(x_block.data(), 8);
+    const Vector y = Eigen::Map<const Vector>(y_block.data(), 8);
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(Sim3Manifold(), x, Tangent(&sampler, 7), y, kTolerance);
+  }
+}
+
 TEST(UnitVectorManifold, InvariantsHold) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < kTrials; ++trial) {

@@ -150,14 +150,6 @@ TEST_F(MapSmallSite, UnknownNamesAreWrongUsage) {
   EXPECT_THROW(MapScans(site, options), UsageError);
 }
 
-TEST_F(MapSmallSite, AMissingDroneCloudIsAnError) {
-  Site site = WriteAndRead(SmallSite(SceneKind::kHall, 2, 16));
-  site.maps.emplace_back();
-  site.maps.back().name = "roof";
-  site.maps.back().cloud = Path("roof.ply");
-  EXPECT_THROW(MapScans(site, TwoThreads("none")), InputError);
-}
-
 TEST_F(MapSmallSite, OneScanIsItsOwnMap) {
   const Site site = WriteAndRead(SmallSite(SceneKind::kHall, 1, 16));
   for (const char* optimizer : {"graph", "metascan", "none"}) {

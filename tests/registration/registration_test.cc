@@ -49,6 +49,21 @@ TEST(Register, FindsTheTruthWithinThreeSigma) {
   }
 }
 
+TEST(Register, AnOkPoseIsAtRest) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE(seed);
+    const RayWorld room = FurnishedRoom(seed);
+    const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
+    const ScanModel target_model(target), source_model(source);
+    const Registration found = Register(target_model, source_model);
+    ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
+    EXPECT_TRUE(found.refinement.converged);
+    const Refinement again = RefinePose(target_model, source_model, found.target_from_source());
+    const Vector6d move = PoseError(again.target_from_source, found.target_from_source());
+    EXPECT_LT(move.norm(), 5e-4);
+  }
+}
+
 TEST(Register, CorrespondencesAreTheSameSurfaces) {
   const RayWorld room = FurnishedRoom(1);
   const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);

@@ -23,12 +23,13 @@ TEST(CellOctree, SumsEqualTheSumsOfTheirPoints) {
   const CellOctree octree(RandomCloud(3000, 2.0), 0.2, 4);
   for (int level = 0; level < octree.levels(); ++level) {
     double points = 0;
-    for (const auto& cell : octree.Level(level)) {
+    for (std::uint32_t c = 0; c < octree.Level(level).size(); ++c) {
+      const auto& cell = octree.Level(level)[c];
       Moments brute;
       for (std::uint32_t i = 0; i < cell.point_count; ++i) {
         brute.Add(octree.sorted_points()[cell.first_point + i].cast<double>());
       }
-      const Moments fast = cell.sums.ToMoments();
+      const Moments fast = octree.Sums(level, c).ToMoments();
       EXPECT_EQ(fast.count, brute.count);
       EXPECT_LT((fast.mean - brute.mean).norm(), 1e-12);
       EXPECT_LT((fast.scatter - brute.scatter).norm(), 1e-9);
@@ -66,7 +67,6 @@ TEST(CellOctree, ChildrenAndParentsAgree) {
       const auto& cell = octree.Level(level)[i];
       for (std::uint32_t k = 0; k < cell.child_count; ++k, ++children) {
         const auto& child = octree.Level(level - 1)[cell.first_child + k];
-        EXPECT_EQ(child.parent, i);
         EXPECT_EQ(CellOctree::Coordinates(child.key) / 2, CellOctree::Coordinates(cell.key));
       }
     }
@@ -82,6 +82,21 @@ TEST(CellOctree, FindsExactlyTheOccupiedCells) {
       EXPECT_EQ(octree.Find(level, at), static_cast<int>(i));
     }
     EXPECT_EQ(octree.Find(level, {5, 5, 5}), -1);
+  }
+}
+
+TEST(NeighbourKeys, AreTheCodesOfTheCellsAround) {
+  const CellOctree octree(RandomCloud(300, 20.0), 0.1, 3);
+  for (int level = 0; level < octree.levels(); ++level) {
+    for (const auto& cell : octree.Level(level)) {
+      const Eigen::Vector3i at = CellOctree::Coordinates(cell.key);
+      const NeighbourKeys keys(cell.key);
+      for (int k = 0; k < 27; ++k) {
+        const Eigen::Vector3i step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        ASSERT_EQ(CellOctree::Coordinates(keys.At(k)), at + step);
+        ASSERT_EQ(octree.Find(level, keys.At(k)), octree.Find(level, at + step));
+      }
+    }
   }
 }
 

@@ -9,7 +9,8 @@
 
 namespace planegraph {
 
-/// What is known of a group's place in a map before anything is matched. p_map = scale * R * p_group
+/// What is known of a group's place in a map before anything is matched. p_map = scale * R *
+/// p_group
 /// + t, in the map's frame, whose unit is a metre but for `sigma_scale`.
 struct MapPrior {
   struct Pose {

@@ -47,13 +47,18 @@ class PatchMap {
            double least_cosine) const;
 
  private:
-  int BestInCell(const Eigen::Vector3i& cell, const Eigen::Vector3d& point,
-                 const Eigen::Vector3d& normal, double gate, double least_cosine,
-                 double* best) const;
+  int BestInCell(std::uint64_t hash, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                 double gate, double least_cosine, double* best) const;
+
+  // The tag stands for the cell: a surfel of another one that slips through is still tested.
+  struct Item {
+    std::uint32_t tag, surfel;
+  };
 
   std::vector<Surfel> surfels_;
-  std::vector<std::uint32_t> starts_, items_;  // by hash slot
-  std::vector<std::uint64_t> item_keys_;
+  std::vector<std::uint64_t> filled_;  // a bit for each hash slot: most queries meet empty space
+  std::vector<std::uint32_t> starts_;  // by hash slot
+  std::vector<Item> items_;
   std::uint64_t mask_ = 0;
 };
 

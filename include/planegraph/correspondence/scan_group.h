@@ -18,6 +18,13 @@ struct ScanGroup {
   explicit ScanGroup(const ScanModel& scan) : scans{&scan}, group_from_scan{Rigid3()} {}
 };
 
+/// The scans of a group that stand within `radius` metres of one of them, in that scan's frame.
+ScanGroup Around(const ScanGroup& group, std::size_t anchor, double radius);
+
+/// Scans that stand for their surroundings in the group: the first one, then always the one that is
+/// farthest from all before, while that is more than `distance` metres; at most `most`.
+std::vector<std::size_t> Anchors(const ScanGroup& group, double distance, std::size_t most);
+
 /// A surfel of the group with what it counts; the weights of each scan sum to one.
 struct GroupSample {
   Eigen::Vector3d mean, normal;  ///< group frame, metres

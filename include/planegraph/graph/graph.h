@@ -28,8 +28,8 @@ struct MapNode {
   bool fixed = false;  ///< held by the gauge
 };
 
-/// A plane segment seen from one pose, or in one map, reduced to what the factors need. All of it in the node's
-/// frame.
+/// A plane segment seen from one pose, or in one map, reduced to what the factors need. All of it
+/// in the node's frame.
 struct PlaneObservation {
   int pose = 0;  ///< index in Graph::poses; without meaning where `map` is set
   int map = -1;  ///< index in Graph::maps; -1: seen from a pose. Weights are per metre of the world

@@ -13,6 +13,10 @@ namespace planegraph {
 /// dropped. 3DTK clouds come right-handed in metres (x forward, y left, z up). Throws InputError.
 Cloud ReadCloud(const std::string& path, const std::string& format = "auto");
 
+/// The same cloud without normals, colours and intensities. Where `format` is "ply" and the file is
+/// one that WriteCloud or MapPlyWriter wrote, no more of it than a block is in memory at a time.
+Cloud ReadPositions(const std::string& path, const std::string& format = "auto");
+
 /// An additional integer property per point, for example the plane's id.
 struct IntProperty {
   std::string name;

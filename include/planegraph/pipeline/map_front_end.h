@@ -17,8 +17,8 @@ struct MapRecord {
   /// The frame that the planes are in: metres and east-north-up as far as GPS tells, less a shift
   /// that keeps the numbers small. Without GPS the map's own.
   Sim3 metric_from_map;
-  Sim3 world_from_metric;  ///< by GPS alone (a shift); identity without
-  PlaneSet planes;         ///< in the metric frame
+  Sim3 world_from_metric;            ///< by GPS alone (a shift); identity without
+  PlaneSet planes;                   ///< in the metric frame
   std::vector<std::int32_t> labels;  ///< per point of the cloud the plane's index, -1: none
   double sigma_scale = 0.02;         ///< of log(scale) of the metric frame before any laser is seen
   std::size_t points = 0;

@@ -35,7 +35,7 @@ struct MapOptions {
 struct JointSolution {
   std::vector<Rigid3> world_from_scan;
   std::vector<Sim3> world_from_metric;  ///< of each map
-  Graph graph;  ///< with the landmarks of the last round
+  Graph graph;                          ///< with the landmarks of the last round
   SolveSummary summary;
   double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
   int rounds = 0;
@@ -56,7 +56,7 @@ struct MapResult {
   std::vector<MapRecord> maps;
   std::vector<MapPairRecord> map_pairs;
   JointSolution solution;
-  std::vector<Matrix6d> covariances;  ///< by scan; NaN where infinite
+  std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
   std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
   std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
   std::vector<std::vector<UnobservedDirection>> unobserved;

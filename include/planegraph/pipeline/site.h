@@ -34,7 +34,7 @@ struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
   std::optional<double> scale_sigma;  ///< relative; in place of what the positions tell
   std::optional<double> gps_sigma;    ///< metres, of one position and axis; likewise
-  double scale = 1.0;  ///< metres per unit, where no positions tell
+  double scale = 1.0;                 ///< metres per unit, where no positions tell
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working

@@ -9,8 +9,8 @@
 namespace planegraph {
 
 struct MapRefinementOptions {
-  double first_gate = 1.0;   ///< metres along the normal, of the first association
-  double last_gate = 0.15;   ///< metres, of the last one: below the thickness of walls and roofs
+  double first_gate = 1.0;  ///< metres along the normal, of the first association
+  double last_gate = 0.15;  ///< metres, of the last one: below the thickness of walls and roofs
   int most_iterations = 25;
   std::size_t most_surfels = 1500;  ///< of all scans together
   double sigma_scale = 0.02;        ///< of log(scale), about 1; 0: the scale is held
@@ -40,8 +40,8 @@ struct MapRefinement {
 /// surfaces of a photogrammetric map err together, so that a thousand of them are not a thousand
 /// measurements.
 struct MapErrors {
-  double sigma = 0.05;         ///< metres: of one surface's height (robust)
-  double block_sigma = 0.02;   ///< metres: that is left of it in the mean over a block
+  double sigma = 0.05;                   ///< metres: of one surface's height (robust)
+  double block_sigma = 0.02;             ///< metres: that is left of it in the mean over a block
   static constexpr double kBlock = 6.0;  ///< metres: edge of a block
 };
 

@@ -11,17 +11,18 @@ namespace planegraph {
 /// What speaks for a place in the map and what against it.
 struct MapEvidence {
   /// Share of the scans' surfaces (all directions alike) that lie on a surface of the map which
-  /// faces the same way; mean over the scans.
+  /// faces the same way; mean over the better half of the scans: a group may go on where the map
+  /// does not.
   double agree = 0.0;
   /// The same in the direction of translation in which it is worst.
   double worst_direction = 0.0;
   /// Of the map's surfaces about the scans whose place the laser has seen, the share that it looked
   /// through.
   double pierced = 0.0;
-  std::vector<double> agree_by_scan;
+  std::vector<double> agree_by_scan;  ///< of every scan
 
-  /// In [0, 1]. A wrong pose easily has the ground right, so that the worst direction counts as much
-  /// as the mean.
+  /// In [0, 1]. A wrong pose easily has the ground right, so that the worst direction counts as
+  /// much as the mean.
   double Score() const { return agree * worst_direction * (1.0 - pierced) * (1.0 - pierced); }
 };
 
@@ -55,8 +56,12 @@ struct MapLocation {
 };
 
 /// The evidence for a pose. `gate`: metres along the normal.
-MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group,
-                            const Sim3& map_from_group, double gate);
+MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
+                            double gate);
+
+/// Planes of the map and of a scan that lie on each other, by the scan's samples, most first.
+std::vector<PlanePair> MapCorrespondences(const MapModel& map, const ScanModel& scan,
+                                          const Sim3& map_from_scan, double gate);
 
 /// Finds the group in the map: votes, a first look, refinement, evidence; compares different poses
 /// only, and says `ambiguous` rather than guess.

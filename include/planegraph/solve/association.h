@@ -33,8 +33,8 @@ struct PlacedMap {
 /// counted twice. Walls and floors become many small landmarks: none has to be flat over its whole
 /// length. The landmarks do not depend on the order of the scans but through ties of equal seeds.
 ///
-/// A drone map counts as one more scan; its observations name it (PlaneObservation::map). Patches of
-/// maps alone make no landmark.
+/// A drone map counts as one more scan; its observations name it (PlaneObservation::map). Patches
+/// of maps alone make no landmark.
 std::vector<PlaneLandmark> AssociatePatches(const std::vector<const PlaneSet*>& scans,
                                             const std::vector<Rigid3>& world_from_scan,
                                             const AssociationOptions& options = {},

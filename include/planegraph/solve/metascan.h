@@ -20,6 +20,9 @@ struct MetascanOptions {
   double overlap_tolerance = 0.0;                ///< metres, of the boxes in the plane
   double min_area = 2.0;                         ///< m^2: smaller segments take no part
   int max_iterations = 5;  ///< of association and closed form in one registration
+  /// Scans that a drone map has placed (empty: none): they keep their start and move never. The
+  /// paper optimizes only the others so.
+  std::vector<bool> fixed;
 };
 
 struct MetascanResult {

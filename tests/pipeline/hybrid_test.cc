@@ -1,0 +1,193 @@
+// Sites with a drone map, from files to poses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "io/test_files.h"
+#include "planegraph/base/error.h"
+#include "planegraph/pipeline/mapper.h"
+#include "planegraph/pipeline/outputs.h"
+#include "planegraph/simulation/simulation.h"
+
+namespace planegraph {
+namespace {
+
+SimulatedSite Hybrid(SceneKind scene, std::uint64_t seed, int scans) {
+  SimulationOptions options;
+  options.scene = scene;
+  options.seed = seed;
+  options.scans = scans;
+  options.scanner.beams = 361;
+  options.scanner.sweeps = 120;
+  return Simulate(options);
+}
+
+MapOptions Options(const std::string& optimizer) {
+  MapOptions options;
+  options.optimizer = optimizer;
+  options.threads = 2;
+  return options;
+}
+
+// Relative error of the map's scale.
+double ScaleError(const MapResult& result, const SimulatedSite& site) {
+  const Sim3 found = result.solution.world_from_metric[0] * result.maps[0].metric_from_map;
+  return found.scale / site.drone->model.world_from_map.scale - 1.0;
+}
+
+// Largest error of a robot's positions in the map's own frame, metres: free of the GPS bias.
+double LargestInMap(const MapResult& result, const SimulatedSite& site, std::size_t robot) {
+  const Sim3 map_from_world =
+      (result.solution.world_from_metric[0] * result.maps[0].metric_from_map).Inverse();
+  const Sim3& truth = site.drone->model.world_from_map;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    if (result.scans[i].robot != robot) continue;
+    const Eigen::Vector3d in_map = map_from_world * result.solution.world_from_scan[i].translation;
+    const Eigen::Vector3d want = site.robots[robot].truth[result.scans[i].index].translation;
+    largest = std::max(largest, (truth * in_map - want).norm());
+  }
+  return largest;
+}
+
+std::size_t Anchored(const MapResult& result) {
+  std::size_t count = 0;
+  for (const auto& pair : result.map_pairs) count += pair.used ? 1 : 0;
+  return count;
+}
+
+class HybridYard : public TestFolder {
+ protected:
+  HybridYard() { WriteSite(Path("site"), yard_); }
+  Site Read(const std::string& name) const { return ReadSite(Path("site/" + name)); }
+
+  // The GPS track stretched about its centre, as a scale error of the receiver would do.
+  void StretchGps(double factor) const {
+    std::ifstream in(Path("site/uav/gps.csv"));
+    std::string header, line;
+    std::getline(in, header);
+    std::vector<std::array<double, 4>> rows;
+    while (std::getline(in, line)) {
+      std::replace(line.begin(), line.end(), ',', ' ');
+      auto& row = rows.emplace_back();
+      std::istringstream(line) >> row[0] >> row[1] >> row[2] >> row[3];
+    }
+    std::array<double, 4> mean{};
+    for (const auto& row : rows) {
+      for (int k = 1; k < 4; ++k) mean[k] += row[k] / static_cast<double>(rows.size());
+    }
+    std::ofstream out(Path("site/uav/gps.csv"));
+    out.precision(12);
+    out << header << "\n";
+    for (const auto& row : rows) {
+      out << row[0];
+      for (int k = 1; k < 4; ++k) out << "," << mean[k] + factor * (row[k] - mean[k]);
+      out << "\n";
+    }
+  }
+
+  const SimulatedSite yard_ = Hybrid(SceneKind::kYard, 3, 5);
+};
+
+TEST_F(HybridYard, JoinsLaserAndDrone) {
+  for (const char* name : {"site.yaml", "site_nostart.yaml"}) {
+    SCOPED_TRACE(name);
+    const MapResult result = MapScans(Read(name), Options("graph"));
+    EXPECT_EQ(result.components, 1);
+    EXPECT_GE(Anchored(result), 2u);
+    EXPECT_LT(std::abs(ScaleError(result, yard_)), 0.005);
+    EXPECT_LT(std::abs(ScaleError(result, yard_)),
+              3.0 * std::sqrt(result.map_covariances[0](6, 6)));
+    EXPECT_LT(LargestInMap(result, yard_, 0), 0.15);
+  }
+}
+
+TEST_F(HybridYard, TheMapDoesNotBendTheWay) {
+  const MapResult with = MapScans(Read("site.yaml"), Options("graph"));
+  const MapResult without = MapScans(Read("site_laser_only.yaml"), Options("graph"));
+  for (std::size_t i = 1; i < with.scans.size(); ++i) {
+    const auto relative = [i](const MapResult& r) {
+      return r.solution.world_from_scan[i - 1].Inverse() * r.solution.world_from_scan[i];
+    };
+    EXPECT_LT((relative(with).translation - relative(without).translation).norm(), 0.003);
+  }
+}
+
+TEST_F(HybridYard, EveryOptimizerTakesMaps) {
+  for (const char* optimizer : {"metascan", "none"}) {
+    SCOPED_TRACE(optimizer);
+    const MapResult result = MapScans(Read("site.yaml"), Options(optimizer));
+    EXPECT_GE(Anchored(result), 2u);
+    EXPECT_LT(LargestInMap(result, yard_, 0), 0.3);
+    EXPECT_FALSE(ReportJson(result, Options(optimizer)).empty());
+  }
+}
+
+TEST_F(HybridYard, PlanesWithoutLandmarksTakeMapsToo) {
+  MapOptions options = Options("graph");
+  options.plane_factor = "pose_pose";
+  const MapResult result = MapScans(Read("site.yaml"), options);
+  EXPECT_LT(std::abs(ScaleError(result, yard_)), 0.005);
+  EXPECT_LT(LargestInMap(result, yard_, 0), 0.15);
+}
+
+TEST_F(HybridYard, ATrackOfTheWrongScaleIsMendedByTheLaserOrRefused) {
+  for (const double factor : {0.8, 1.25}) {
+    SCOPED_TRACE(factor);
+    StretchGps(factor);
+    Site site = Read("site_nostart.yaml");
+    site.maps[0].scale_sigma = 0.25;
+    const MapResult result = MapScans(site, Options("graph"));
+    if (Anchored(result) > 0) {
+      EXPECT_LT(std::abs(ScaleError(result, yard_)), 0.005);
+    } else {
+      ASSERT_FALSE(result.map_pairs.empty());
+      EXPECT_FALSE(result.map_pairs[0].reason.empty());
+    }
+    StretchGps(1.0 / factor);
+  }
+}
+
+TEST_F(HybridYard, AMapWithoutPositionsComesToTheRobot) {
+  Site site = Read("site_nostart.yaml");
+  site.maps[0].gps.clear();
+  site.maps[0].scale = 1.01 * yard_.drone->model.world_from_map.scale;
+  site.maps[0].scale_sigma = 0.02;
+  const MapResult result = MapScans(site, Options("graph"));
+  EXPECT_EQ(result.components, 1);
+  EXPECT_GE(Anchored(result), 2u);
+  EXPECT_LT(result.solution.world_from_scan[0].translation.norm(), 1e-9)
+      << "the first scan is the world";
+  EXPECT_LT(std::abs(ScaleError(result, yard_)), 0.005);
+}
+
+TEST_F(HybridYard, AMapOfAnotherPlaceIsLeftAlone) {
+  const SimulatedSite other = Hybrid(SceneKind::kQuarter, 8, 2);
+  WriteSite(Path("other"), other);
+  Site site = Read("site_nostart.yaml");
+  site.maps = ReadSite(Path("other/site.yaml")).maps;
+  const MapResult result = MapScans(site, Options("graph"));
+  EXPECT_EQ(Anchored(result), 0u);
+  EXPECT_EQ(result.components, 1);
+  ASSERT_FALSE(result.map_pairs.empty());
+  EXPECT_FALSE(result.map_pairs[0].reason.empty());
+}
+
+class HybridQuarter : public TestFolder {};
+
+TEST_F(HybridQuarter, RobotsThatNeverMetAreJoinedByTheMap) {
+  const SimulatedSite quarter = Hybrid(SceneKind::kQuarter, 5, 4);
+  WriteSite(Path("site"), quarter);
+  const MapResult result = MapScans(ReadSite(Path("site/site_nostart.yaml")), Options("graph"));
+  EXPECT_EQ(result.components, 1);
+  EXPECT_LT(LargestInMap(result, quarter, 0), 0.15);
+  EXPECT_LT(LargestInMap(result, quarter, 1), 0.15);
+  ASSERT_EQ(result.bridges.size() + 1, 2u) << "one edge joins the robots in the pose graph";
+}
+
+}  // namespace
+}  // namespace planegraph
