@@ -31,6 +31,15 @@ Rgb Subdued(const Rgb& colour) {
   return pale;
 }
 
+// By plane + 1.
+std::vector<Rgb> PlaneColours(const PlaneSet& set, bool subdued) {
+  std::vector<Rgb> colours;
+  for (int p = -1; p < static_cast<int>(set.planes.size()); ++p) {
+    colours.push_back(subdued ? Subdued(PlaneColour(p)) : PlaneColour(p));
+  }
+  return colours;
+}
+
 struct MapPoint {
   Eigen::Vector3f position;
   Rgb colour;
@@ -144,11 +153,11 @@ std::vector<ColourSource> SourcesOf(const MapResult& result, std::size_t scan,
 }
 
 Rgb ColourOf(const std::vector<ColourSource>& sources, const Eigen::Vector3d& x_in_scan,
-             std::int32_t plane, bool subdued) {
+             std::int32_t plane, const std::vector<Rgb>& plane_colours) {
   for (const ColourSource& source : sources) {
     if (const auto colour = source.Of(x_in_scan, plane)) return *colour;
   }
-  return subdued ? Subdued(PlaneColour(plane)) : PlaneColour(plane);
+  return plane_colours[static_cast<std::size_t>(plane + 1)];
 }
 
 // One scan's share of the map: thinned in its own frame, moved to the world.
@@ -160,6 +169,7 @@ std::vector<MapPoint> MapPoints(const MapResult& result, std::size_t index,
   const auto sources = SourcesOf(result, index, colours);
   const bool subdued = std::any_of(colours.begin(), colours.end(),
                                    [](const auto& map) { return map && !map->empty(); });
+  const std::vector<Rgb> plane_colours = PlaneColours(record.planes, subdued);
   const Rigid3& pose = result.solution.world_from_scan[index];
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   const Eigen::Vector3d shift = pose.translation - offset;
@@ -170,7 +180,7 @@ std::vector<MapPoint> MapPoints(const MapResult& result, std::size_t index,
     const std::int32_t plane = i < record.labels.size() ? record.labels[i] : -1;
     const Eigen::Vector3d x_in_scan = cloud.Position(i);
     const Rgb colour =
-        cloud.colors.empty() ? ColourOf(sources, x_in_scan, plane, subdued) : cloud.colors[i];
+        cloud.colors.empty() ? ColourOf(sources, x_in_scan, plane, plane_colours) : cloud.colors[i];
     points.push_back({(rotation * x_in_scan + shift).cast<float>(), colour, plane});
   }
   return points;
