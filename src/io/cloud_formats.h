@@ -1,5 +1,6 @@
 #pragma once
 
+#include <istream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,8 +15,9 @@
 namespace planegraph {
 
 Cloud ParsePly(std::string_view bytes, const std::string& file);
-/// The points of a merged map by their sources, as ReadMapPly says.
-MergedMap ParseMapPly(std::string_view bytes, const std::string& file);
+/// The points of a merged map by their sources, read by blocks from the start of a stream that can
+/// seek. Nothing where it is no whole map.ply as MapPlyWriter writes it.
+std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file);
 Cloud ParsePcd(std::string_view bytes, const std::string& file);
 /// XYZ, TXT, CSV: with the names of the columns in a first line, or told apart by their number.
 Cloud ParseXyz(std::string_view bytes, const std::string& file);

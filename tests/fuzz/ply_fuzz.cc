@@ -1,12 +1,16 @@
+#include <sstream>
+
 #include "fuzz/fuzz_reader.h"
 #include "io/cloud_formats.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace planegraph;
   FuzzReader(data, size, [](std::string_view bytes) {
-    const MergedMap map = ParseMapPly(bytes, "fuzz");
-    CheckCloud(map.laser);
-    CheckCloud(map.vision);
+    std::istringstream stream{std::string(bytes)};
+    const auto map = ParseMapPly(&stream, "fuzz");
+    if (!map) return;
+    CheckCloud(map->laser);
+    CheckCloud(map->vision);
   });
   return FuzzReader(data, size,
                     [](std::string_view bytes) { CheckCloud(ParsePly(bytes, "fuzz")); });

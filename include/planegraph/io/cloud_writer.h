@@ -58,11 +58,12 @@ class MapPlyWriter {
 
 /// A merged map by where its points come from.
 struct MergedMap {
-  Cloud laser, vision;
+  Cloud laser;   ///< positions alone
+  Cloud vision;  ///< with colours
 };
 
-/// Reads map.ply back. Points of a PLY that does not say where they come from are the laser's.
-/// Throws InputError.
+/// Reads map.ply back, a block at a time. The points of any other PLY are the laser's. Points with
+/// a NaN or infinite coordinate are dropped. Throws InputError.
 MergedMap ReadMapPly(const std::string& path);
 
 }  // namespace planegraph
