@@ -78,6 +78,7 @@ void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
               result.scans.size(), used, result.pairs.size(), result.components,
               result.components == 1 ? "" : "s", SecondsSinceStart());
+  PrintMaps(result, report);
   PrintEvaluation(report["evaluation"]);
   std::printf("results: %s\n", FLAGS_output_dir.c_str());
 }
@@ -86,12 +87,52 @@ bool Converged(const MapResult& result) {
   return FLAGS_optimizer != "graph" || result.solution.summary.converged;
 }
 
-// All scans in one component is what the map was asked for.
+std::size_t Anchored(const MapResult& result, std::size_t map) {
+  std::size_t count = 0;
+  for (const auto& pair : result.map_pairs) count += pair.used && pair.map == map ? 1 : 0;
+  return count;
+}
+
+void PrintMaps(const MapResult& result, const nlohmann::json& report) {
+  for (std::size_t m = 0; m < result.maps.size(); ++m) {
+    const nlohmann::json& map = report["maps"][m];
+    std::printf("drone map %s: %zu of %zu scans anchored, %.6f m per unit",
+                result.maps[m].id.c_str(), Anchored(result, m), result.scans.size(),
+                map["world_from_map"]["scale"].get<double>());
+    if (map["sigma_scale"].is_number()) {
+      std::printf(" (sigma %.2f %%)", 100.0 * map["sigma_scale"].get<double>());
+    }
+    std::printf("\n");
+  }
+}
+
+// The first reason why no scan was found in a map.
+std::string ReasonOf(const MapResult& result, std::size_t map) {
+  for (const auto& pair : result.map_pairs) {
+    if (pair.map == map && !pair.reason.empty()) return pair.reason;
+  }
+  return "no scan was tried";
+}
+
+// Whether every drone map holds a scan; says of the others why not.
+bool MapsJoined(const MapResult& result) {
+  bool joined = true;
+  for (std::size_t m = 0; m < result.maps.size(); ++m) {
+    if (Anchored(result, m) > 0) continue;
+    joined = false;
+    std::cerr << "error: no scan was found in the drone map " << result.maps[m].id << ": "
+              << ReasonOf(result, m) << "\n";
+  }
+  return joined;
+}
+
+// All scans and maps in one component is what the map was asked for.
 int ExitCode(const MapResult& result, const nlohmann::json& report) {
   for (const auto& warning : report["warnings"]) {
     std::cerr << "warning: " << warning.get<std::string>() << "\n";
   }
-  if (result.components <= 1 && Converged(result)) return 0;
+  const bool joined = MapsJoined(result);
+  if (joined && result.components <= 1 && Converged(result)) return 0;
   if (result.components > 1) {
     std::cerr << "error: the scans do not form one component but " << result.components
               << ": see the registrations in the report\n";

@@ -121,12 +121,19 @@ TEST_F(Jobs, ScansThatDoNotFitTogetherAreNoFullResult) {
   EXPECT_EQ(nlohmann::json::parse(ReadTextFile(Path("out/report.json")))["components"], 2);
 }
 
-TEST_F(Jobs, DroneMapsAreLeftOutWithAWarning) {
+TEST_F(Jobs, ADroneMapThatNoScanIsFoundInIsNoFullResult) {
   const std::string site = Simulate("corridor", 2);
-  std::ofstream(site, std::ios::app) << "maps: [{name: roof, cloud: scans/scan000.ply}]\n";
+  std::ofstream(site, std::ios::app) << "maps: [{name: roof, cloud: roof.ply}]\n";
+  std::string roof =
+      "ply\nformat ascii 1.0\nelement vertex 10000\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n";
+  for (int i = 0; i < 10000; ++i) {
+    roof += std::to_string(0.1 * (i % 100)) + " " + std::to_string(0.1 * (i / 100)) + " 0\n";
+  }
+  Write("corridor/roof.ply", roof);
   const Outcome outcome = Map(site);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, StartsWith("warning: drone maps"));
+  EXPECT_THAT(outcome.err, testing::HasSubstr("no scan was found in the drone map roof: "));
   EXPECT_TRUE(fs::exists(Path("out/trajectory_robot1.tum")));
 }
 
