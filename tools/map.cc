@@ -72,21 +72,6 @@ void PrintEvaluation(const nlohmann::json& evaluation) {
   }
 }
 
-void PrintSummary(const MapResult& result, const nlohmann::json& report) {
-  std::size_t used = 0;
-  for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
-  std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
-              result.scans.size(), used, result.pairs.size(), result.components,
-              result.components == 1 ? "" : "s", SecondsSinceStart());
-  PrintMaps(result, report);
-  PrintEvaluation(report["evaluation"]);
-  std::printf("results: %s\n", FLAGS_output_dir.c_str());
-}
-
-bool Converged(const MapResult& result) {
-  return FLAGS_optimizer != "graph" || result.solution.summary.converged;
-}
-
 std::size_t Anchored(const MapResult& result, std::size_t map) {
   std::size_t count = 0;
   for (const auto& pair : result.map_pairs) count += pair.used && pair.map == map ? 1 : 0;
@@ -104,6 +89,21 @@ void PrintMaps(const MapResult& result, const nlohmann::json& report) {
     }
     std::printf("\n");
   }
+}
+
+void PrintSummary(const MapResult& result, const nlohmann::json& report) {
+  std::size_t used = 0;
+  for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
+  std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
+              result.scans.size(), used, result.pairs.size(), result.components,
+              result.components == 1 ? "" : "s", SecondsSinceStart());
+  PrintMaps(result, report);
+  PrintEvaluation(report["evaluation"]);
+  std::printf("results: %s\n", FLAGS_output_dir.c_str());
+}
+
+bool Converged(const MapResult& result) {
+  return FLAGS_optimizer != "graph" || result.solution.summary.converged;
 }
 
 // The first reason why no scan was found in a map.
