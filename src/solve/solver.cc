@@ -97,7 +97,9 @@ std::shared_ptr<ceres::ParameterBlockOrdering> PlanesFirst(const Graph& graph, c
     if (use.poses[i]) ordering->AddElementToGroup(assembly->PoseBlock(i), 1);
   }
   for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
-    if (use.maps[m]) ordering->AddElementToGroup(assembly->MapBlock(m), 1);
+    // A group of their own: Ceres orders a group's blocks by their addresses, and where maps lie
+    // relative to poses is the heap's business, different from run to run.
+    if (use.maps[m]) ordering->AddElementToGroup(assembly->MapBlock(m), 2);
   }
   return ordering;
 }
