@@ -40,10 +40,16 @@ std::vector<Rigid3> PosesOf(const Graph& graph) {
   return poses;
 }
 
-double LargestMove(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b) {
+// How far the scans moved, seen from the first one of their component: where GPS of metres alone
+// holds a site, its place in the world creeps on when all within it has come to rest.
+double LargestMove(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b,
+                   const std::vector<int>& component) {
+  std::map<int, std::size_t> first;
   double move = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    move = std::max(move, (a[i].translation - b[i].translation).norm());
+    const std::size_t k = first.try_emplace(component[i], i).first->second;
+    const Eigen::Vector3d now = (a[k].Inverse() * a[i]).translation;
+    move = std::max(move, (now - (b[k].Inverse() * b[i]).translation).norm());
   }
   return move;
 }
@@ -450,6 +456,8 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   solution.world_from_scan = placement.world_from_scan;
   solution.world_from_metric = placement.world_from_metric;
   const MapWeights weights = WeighMaps(problem);
+  const std::vector<int> component =
+      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
   AssociationOptions association = FirstRound(problem);
   const double last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
   // Below what the scans disagree by, a pose's move means nothing.
@@ -459,7 +467,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
     Graph graph = BuildGraph(problem, solution, association, weights);
     solution.summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     const std::vector<Rigid3> moved = PosesOf(graph);
-    const double move = LargestMove(moved, solution.world_from_scan);
+    const double move = LargestMove(moved, solution.world_from_scan, component);
     last = association.gate <= last_gate && move < stable;
     TakeOver(std::move(graph), &solution);
     association.gate = std::max(last_gate, 0.4 * association.gate);
@@ -469,7 +477,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   solution.summary =
       Solve(&solution.graph, RoundOptions(options, true, HeldByPriors(solution.graph)));
   solution.summary.initial_cost = initial_cost;
-  solution.last_move = LargestMove(PosesOf(solution.graph), solution.world_from_scan);
+  solution.last_move = LargestMove(PosesOf(solution.graph), solution.world_from_scan, component);
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses
   // rest.
   solution.summary.converged |= solution.last_move < stable;
