@@ -54,7 +54,7 @@ void PrintCounts(const std::string& name, const char* way, const Counts& c) {
 
 void PrintSummary(const std::vector<Results>& all) {
   std::puts(
-      "\n## How many were found\n\n| site | looked for | covered: right | undecided | wrong | "
+      "\n### How many were found\n\n| site | looked for | covered: right | undecided | wrong | "
       "uncovered: right | undecided | wrong | CPU s, median "
       "|\n|---|---|---|---|---|---|---|---|---|");
   Counts alone, pairs, cells;
@@ -81,7 +81,7 @@ void PrintScan(const LocatedSite& site, const Outcome& o) {
 void PrintScans(const Results& results) {
   const auto table = [&](const char* title, const std::vector<Outcome>& outcomes) {
     std::printf(
-        "\n### %s: %s\n\n| scan | coverage | result | best pose off, m | deg | r1 | r2 | chance | "
+        "\n#### %s: %s\n\n| scan | coverage | result | best pose off, m | deg | r1 | r2 | chance | "
         "score of the truth | best wrong score | CPU s "
         "|\n|---|---|---|---|---|---|---|---|---|---|---|"
         "\n",
@@ -94,7 +94,7 @@ void PrintScans(const Results& results) {
 
 void PrintCells(const Results& results) {
   std::printf(
-      "\n### %s: the paper's cells\n\n| scan | coverage | result | best cell off, m | deg | r1 | "
+      "\n#### %s: the paper's cells\n\n| scan | coverage | result | best cell off, m | deg | r1 | "
       "r2 "
       "| s |\n|---|---|---|---|---|---|---|---|\n",
       results.site.name.c_str());
@@ -107,7 +107,7 @@ void PrintCells(const Results& results) {
 
 // What a reader would ask about first: wrong ones, and covered scans that were not found.
 void PrintCases(const std::vector<Results>& all) {
-  std::puts("\n## Wrong, or covered and not found (alone and two at once)\n");
+  std::puts("\n### Wrong, or covered and not found (alone and two at once)\n");
   for (const Results& r : all) {
     for (const auto* outcomes : {&r.alone, &r.pairs}) {
       for (const Outcome& o : *outcomes) {
@@ -150,7 +150,7 @@ void PrintQuantiles(const char* what, const std::vector<double>& values) {
 
 void PrintSides(const char* title, const Sides& s) {
   std::printf(
-      "\n### %s\n\n| value | count | least | 5 %% | 25 %% | median | 95 %% | greatest |\n"
+      "\n#### %s\n\n| value | count | least | 5 %% | 25 %% | median | 95 %% | greatest |\n"
       "|---|---|---|---|---|---|---|---|\n",
       title);
   PrintQuantiles("score of the truth, covered", s.truth);
@@ -162,12 +162,41 @@ void PrintSides(const char* title, const Sides& s) {
   PrintQuantiles("chance where the best pose is wrong", s.chance_far);
 }
 
+// What each rule of LocateInMap, and each set of them, would let through.
+void PrintRules(const char* title, const std::vector<Outcome>& tries) {
+  const MapLocationOptions limits;
+  std::printf(
+      "\n#### %s: what the rules let through\n\n| rules | right poses | wrong poses "
+      "|\n|---|---|---|\n",
+      title);
+  for (int set = 0; set < 8; ++set) {
+    int right = 0, rights = 0, wrong = 0, wrongs = 0;
+    for (const Outcome& o : tries) {
+      const bool passed = ((set & 1) == 0 || o.r1 >= limits.least_score) &&
+                          ((set & 2) == 0 || o.r2 <= limits.ambiguity * o.r1) &&
+                          ((set & 4) == 0 || o.chance <= limits.most_chance);
+      (o.near ? rights : wrongs)++;
+      if (passed) (o.near ? right : wrong)++;
+    }
+    std::printf("| %s%s%s%s | %d of %d | %d of %d |\n", set == 0 ? "none" : "",
+                (set & 1) != 0 ? " score" : "", (set & 2) != 0 ? " ambiguity" : "",
+                (set & 4) != 0 ? " chance" : "", right, rights, wrong, wrongs);
+  }
+}
+
 void PrintSeparation(const std::vector<Results>& all) {
-  std::puts("\n## How far right and wrong poses are apart");
-  Sides alone, pairs;
-  for (const Results& r : all) alone.Add(r.alone), pairs.Add(r.pairs);
-  PrintSides("Alone", alone);
-  PrintSides("Two at once", pairs);
+  std::puts("\n### How far right and wrong poses are apart");
+  Sides sides[2];
+  std::vector<Outcome> tries[2];
+  for (const Results& r : all) {
+    sides[0].Add(r.alone), sides[1].Add(r.pairs);
+    tries[0].insert(tries[0].end(), r.alone.begin(), r.alone.end());
+    tries[1].insert(tries[1].end(), r.pairs.begin(), r.pairs.end());
+  }
+  PrintSides("Alone", sides[0]);
+  PrintRules("Alone", tries[0]);
+  PrintSides("Two at once", sides[1]);
+  PrintRules("Two at once", tries[1]);
 }
 
 void PrintHead(int argc, char** argv) {
@@ -191,7 +220,7 @@ int Run(int argc, char** argv) {
   PrintSummary(all);
   PrintCases(all);
   PrintSeparation(all);
-  if (all.size() == 1) std::puts("\n## Scan by scan"), PrintScans(all[0]), PrintCells(all[0]);
+  if (all.size() == 1) std::puts("\n### Scan by scan"), PrintScans(all[0]), PrintCells(all[0]);
   const auto wrong = [](const Outcome& o) { return o.wrong(); };
   const bool good = std::all_of(all.begin(), all.end(), [&](const Results& r) {
     return std::none_of(r.alone.begin(), r.alone.end(), wrong) &&

@@ -1,26 +1,18 @@
 #include "locate/outcome.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <numbers>
 
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/cell_search.h"
+#include "thread_seconds.h"
 
 namespace planegraph {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRightMetres = 1.0, kRightDegrees = 5.0;
-
-// CPU time of this thread: others may use the machine meanwhile.
-double ThreadSeconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Error {
   double metres, degrees;

@@ -1,5 +1,4 @@
 // paper_tables SITE.yaml: the tables of the paper for a site, as Markdown (docs/paper_tables.md).
-#include <chrono>
 #include <cstdio>
 #include <numbers>
 #include <string>
@@ -10,6 +9,7 @@
 #include "paper/small_sets.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/xiao.h"
+#include "thread_seconds.h"
 
 namespace planegraph {
 namespace {
@@ -65,9 +65,9 @@ struct XiaoRun {
 
 XiaoRun RunXiao(const PlaneSet& target, const PlaneSet& source) {
   XiaoRun run;
-  const auto start = std::chrono::steady_clock::now();
+  const double start = ThreadSeconds();
   run.registration = RegisterXiao(target, source);
-  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  run.seconds = ThreadSeconds() - start;
   return run;
 }
 
