@@ -116,8 +116,9 @@ bool IsSane(const Patch& patch, std::size_t planes) {
          patch.segment < static_cast<std::int64_t>(planes);
 }
 
-// A patch faces as surely as its plane; those of no plane as the set's planes do.
-void SetOrientations(PlaneSet* set) {
+// Files without `sides`: a patch faces as surely as its plane; those of no plane as the set's
+// planes do.
+void GuessOrientations(PlaneSet* set) {
   const bool any = std::any_of(set->planes.begin(), set->planes.end(), [](const auto& plane) {
     return plane.orientation == Orientation::kSensor;
   });
@@ -126,6 +127,14 @@ void SetOrientations(PlaneSet* set) {
     patch.orientation = patch.segment >= 0 ? set->planes[patch.segment].orientation
                         : known            ? Orientation::kSensor
                                            : Orientation::kUnknown;
+  }
+}
+
+void ReadOrientations(const JsonNode& node, std::vector<Patch>* patches) {
+  const auto sides = UnpackBits(node.String(), patches->size());
+  if (!sides) node.Fail("base64 of one bit for each patch is expected");
+  for (std::size_t i = 0; i < patches->size(); ++i) {
+    (*patches)[i].orientation = (*sides)[i] ? Orientation::kSensor : Orientation::kUnknown;
   }
 }
 
@@ -198,7 +207,11 @@ PlaneSet ParsePlanes(std::string_view text, const std::string& name) {
     set.planes.push_back(ReadPlane(planes.At(i), set.offset));
   }
   set.patches = ReadPatches(root.Get("patches"), set.planes.size());
-  SetOrientations(&set);
+  if (root.Get("patches").Has("sides")) {
+    ReadOrientations(root.Get("patches").Get("sides"), &set.patches);
+  } else {
+    GuessOrientations(&set);
+  }
   if (root.Has("range_image")) set.range_image = ReadRangeImage(root.Get("range_image"));
   return set;
 }

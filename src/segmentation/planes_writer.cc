@@ -59,6 +59,8 @@ std::string FormatPatches(const std::vector<Patch>& patches) {
   values.reserve(kValuesPerPatch * patches.size());
   std::vector<std::int32_t> segments;
   segments.reserve(patches.size());
+  std::vector<std::uint8_t> sides;
+  sides.reserve(patches.size());
   for (const Patch& patch : patches) {
     const Eigen::Matrix3d& s = patch.moments.scatter;
     values.push_back(patch.moments.count);
@@ -70,10 +72,12 @@ std::string FormatPatches(const std::vector<Patch>& patches) {
     values.push_back(patch.size);
     values.push_back(patch.sigma);
     segments.push_back(patch.segment);
+    sides.push_back(patch.orientation == Orientation::kSensor);
   }
   return "{\"count\":" + std::to_string(patches.size()) + "," +
          PackedMember("values", PackArray(values)) + "," +
-         PackedMember("segments", PackArray(segments)) + "}";
+         PackedMember("segments", PackArray(segments)) + "," +
+         PackedMember("sides", PackBits(sides)) + "}";
 }
 
 // Only the pixels that hold a return, as pairs of nearest and farthest.

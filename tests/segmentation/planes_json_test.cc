@@ -58,7 +58,8 @@ void ExpectSame(const Patch& a, const Patch& b) {
   EXPECT_EQ(a.moments.mean, b.moments.mean);
   EXPECT_EQ(a.moments.scatter, b.moments.scatter);
   EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(std::tie(a.size, a.sigma, a.segment), std::tie(b.size, b.sigma, b.segment));
+  EXPECT_EQ(std::tie(a.size, a.sigma, a.segment, a.orientation),
+            std::tie(b.size, b.sigma, b.segment, b.orientation));
 }
 
 class PlanesFile : public TestFolder {};
@@ -146,6 +147,9 @@ TEST_F(PlanesFile, ComplaintsNameThePlace) {
       {"/planes", 7, "planes: an array"},
       {"/patches/values", "A", "patches.values: base64"},
       {"/patches/count", 1, "patches.count: does not fit"},
+      {"/patches/sides", "A", "patches.sides: base64"},
+      {"/patches/sides", "", "patches.sides: base64"},
+      {"/patches/sides", 7, "patches.sides"},
       {"/range_image/ranges", "", "range_image.ranges: too few"},
       {"/noise", nlohmann::json::object(), "noise.constant: is missing"},
   };
@@ -168,6 +172,18 @@ TEST_F(PlanesFile, PatchesAreChecked) {
   changed = json;
   changed["patches"]["values"] = PackArray(values);
   EXPECT_THAT(Complaint(changed), HasSubstr("patch 5 is not valid"));
+}
+
+TEST_F(PlanesFile, WithoutSidesAPatchIsAsItsPlane) {
+  auto json = nlohmann::json::parse(FormatPlanes(MakePlanes(CloudKind::kVision)));
+  json["patches"].erase("sides");
+  for (const char* word : {"unknown", "sensor"}) {
+    for (auto& plane : json["planes"]) plane["orientation"] = word;
+    const PlaneSet set = ParsePlanes(json.dump(), "old");
+    for (const Patch& patch : set.patches) {
+      EXPECT_EQ(patch.orientation == Orientation::kSensor, word == std::string("sensor"));
+    }
+  }
 }
 
 TEST_F(PlanesFile, BrokenFiles) {
