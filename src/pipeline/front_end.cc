@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
+#include "planegraph/base/error.h"
 #include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/io/cloud_io.h"
 
@@ -28,6 +30,16 @@ Cloud Filter(const RobotSite& robot, Cloud cloud) {
   constexpr double kRobotRadius = 0.5;
   if (robot.filters.empty()) return RangeFilter(cloud, kRobotRadius, INFINITY);
   return FilterChain(robot.filters).Apply(std::move(cloud));
+}
+
+// A point far off everything is the file's error, not the program's.
+Segmentation Segment(const Cloud& cloud, const std::string& file,
+                     const SegmentationOptions& options) {
+  try {
+    return SegmentPlanes(cloud, options);
+  } catch (const std::length_error& error) {
+    throw InputError::InFile(file, error.what());
+  }
 }
 
 std::string ScanId(const std::string& robot, std::size_t index) {
@@ -64,7 +76,7 @@ ScanRecord PrepareScan(const Site& site, std::size_t robot_index, std::size_t in
   record.seconds_read = scan.seconds_read;
   record.seconds_preprocess = scan.seconds_preprocess;
   Stopwatch watch;
-  Segmentation segmentation = SegmentPlanes(scan.cloud, options);
+  Segmentation segmentation = Segment(scan.cloud, robot.scans[index], options);
   record.planes = std::move(segmentation.planes);
   record.labels = std::move(segmentation.labels);
   record.seconds_segment = watch.Lap();

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 
+#include "planegraph/base/error.h"
 #include "planegraph/io/cloud_io.h"
 
 namespace planegraph {
@@ -57,6 +59,16 @@ void OrientByCameras(const std::string& file, const Sim3& metric_from_map, Plane
     if (std::abs(facing) < kMajority * total || total == 0.0) continue;
     if (facing < 0.0) patch.normal = -patch.normal;
     patch.orientation = Orientation::kSensor;
+  }
+}
+
+// A point far off everything is the file's error, not the program's.
+Segmentation Segment(const Cloud& cloud, const std::string& file,
+                     const MapSegmentationOptions& options) {
+  try {
+    return SegmentMap(cloud, options);
+  } catch (const std::length_error& error) {
+    throw InputError::InFile(file, error.what());
   }
 }
 
@@ -114,7 +126,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   MapSegmentationOptions options;
   options.segmentation = VisionOptions(cloud);
   options.threads = threads;
-  Segmentation segmentation = SegmentMap(cloud, options);
+  Segmentation segmentation = Segment(cloud, source.cloud, options);
   map.planes = std::move(segmentation.planes);
   if (cloud.normals.empty() && !source.cameras.empty()) {
     OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
