@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/graph/graph.h"
@@ -315,9 +316,7 @@ double MapVarianceFactor(const std::vector<MapPairRecord>& records, const Placem
     ratios.push_back(difference.dot(covariance.ldlt().solve(difference)) / 6.0);
   }
   if (ratios.size() < 3) return kUnknown;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return std::max(1.0, *middle / kMedianOfChi2);
+  return std::max(1.0, Median(std::move(ratios)) / kMedianOfChi2);
 }
 
 }  // namespace planegraph

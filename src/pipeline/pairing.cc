@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
 
@@ -85,10 +86,8 @@ std::vector<Candidate> FindCandidates(const std::vector<ScanModel>& models,
 
 double RobustScale(std::vector<double> ratios) {
   if (ratios.size() < 3) return 1.0;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
   // Median of chi-square with three degrees of freedom over three.
-  return std::max(1.0, *middle / 0.789);
+  return std::max(1.0, Median(std::move(ratios)) / 0.789);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "planegraph/base/median.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
@@ -16,24 +17,17 @@ constexpr double kCalibrationGate = 0.3;
 constexpr double kNothing = 1e-6;
 constexpr double kLeastFloor = 0.005;  // metres
 
-double Median(std::vector<double> values, double fallback) {
-  if (values.empty()) return fallback;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The median of squares of a normal distribution is 0.455 of its variance.
 double RobustVariance(const std::vector<MapResidual>& residuals) {
   std::vector<double> squares;
   for (const auto& r : residuals) squares.push_back(r.height * r.height);
-  return Median(std::move(squares), 0.0) / 0.455;
+  return Median(std::move(squares)) / 0.455;
 }
 
 double MedianVariance(const std::vector<MapResidual>& residuals) {
   std::vector<double> variances;
   for (const auto& r : residuals) variances.push_back(r.variance);
-  return Median(std::move(variances), 0.0);
+  return Median(std::move(variances));
 }
 
 // Surfels of the group to be laid onto the map, evenly over the scans.
@@ -201,7 +195,7 @@ MapErrors MeasureMapErrors(const std::vector<MapResidual>& residuals) {
   }
   errors.block_sigma = std::min(0.5 * errors.sigma, 0.02);
   if (squares.size() < kLeastBlocks) return errors;
-  errors.block_sigma = std::max(0.3 * kLeastFloor, std::sqrt(Median(squares, 0.0) / 0.455));
+  errors.block_sigma = std::max(0.3 * kLeastFloor, std::sqrt(Median(squares) / 0.455));
   return errors;
 }
 

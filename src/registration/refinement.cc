@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "planegraph/base/median.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
@@ -19,13 +20,6 @@ constexpr double kCalibrationGate = 0.15;
 
 // Information that stands for none: a standard deviation of a kilometre, or of 1000 radians.
 constexpr double kNothing = 1e-6;
-
-double Median(std::vector<double>* values) {
-  if (values->empty()) return 0.0;
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
 
 struct Normal {
   Matrix6d information = Matrix6d::Zero();  // with the robust weights
@@ -40,9 +34,9 @@ struct Normal {
 
   // Robust variance of the residuals: the median of squares of a normal distribution is 0.455 of
   // it.
-  double Variance() { return Median(&squares) / 0.455; }
+  double Variance() { return Median(squares) / 0.455; }
   // What the noise model does not explain: bent scans, rough walls.
-  double Unexplained() { return Variance() - Median(&variances); }
+  double Unexplained() { return Variance() - Median(variances); }
 };
 
 // The part of the weight's variance that lies in the direction of each axis of translation: what
@@ -188,7 +182,7 @@ double Refiner::TiltFloor(const Rigid3& pose, const Normal& normal) const {
     }
   }
   if (squares.size() < 8) return 0.0;
-  return std::sqrt(std::max(0.0, Median(&squares) / 0.455 - Median(&expected)));
+  return std::sqrt(std::max(0.0, Median(squares) / 0.455 - Median(expected)));
 }
 
 void Refiner::Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const {

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "segmentation/planar_cells.h"
 
@@ -37,9 +38,8 @@ double SurfaceDensity(const Cloud& cloud) {
   for (std::size_t i = 0; i < thinned.size(); i += step) {
     distances.push_back(DistanceToNeighbour(thinned, thinned[i]));
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  const double area = std::numbers::pi * std::max(*middle * *middle, 1e-12);
+  const double distance = Median(std::move(distances));
+  const double area = std::numbers::pi * std::max(distance * distance, 1e-12);
   return static_cast<double>(stride) * (kProbeNeighbours - 1) / area;
 }
 

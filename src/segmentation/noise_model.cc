@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planegraph/base/median.h"
+
 namespace planegraph {
 namespace {
 
@@ -50,12 +52,6 @@ std::vector<Bin> BinByRange(const std::vector<NoiseSample>& sorted) {
         {range / static_cast<double>(end - begin), std::exp(0.5 * HalfSampleMode(logs))});
   }
   return result;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Theil-Sen: the median of all slopes, so that one odd bin (returns of the sky) does not turn the

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "planegraph/pipeline/joint_solve.h"
+
+namespace planegraph {
+
+/// Its inverse, also where directions of it are (numerically) known exactly.
+Matrix6d PositiveInverse(const Matrix6d& covariance);
+
+/// Adds the odometry's steps as robust relative poses.
+void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph);
+
+/// What the observations of each map count: see MapErrors and MapVarianceFactor.
+struct MapWeights {
+  std::vector<MapErrors> errors;
+  std::vector<double> factors;
+};
+
+MapWeights WeighMaps(const JointProblem& problem);
+
+/// Noise floors as the registrations measured them, and gates as wide as the maps' errors; the
+/// first gate is for the scans to set.
+AssociationOptions MeasuredAssociation(const JointProblem& problem);
+
+/// The graph of one round: scans and maps as nodes where the solution has them, their common planes
+/// by association, odometry, GPS and starts.
+Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
+                 const AssociationOptions& association, const MapWeights& weights);
+
+}  // namespace planegraph
