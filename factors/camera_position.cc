@@ -34,8 +34,8 @@ class CameraPositionCost final : public ceres::SizedCostFunction<3, kMapSize> {
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     const MapView map(blocks[0]);
-    const Vector3d turned = map.scale * (map.rigid.rotation * point_);
-    Eigen::Map<Vector3d>(residuals, 3) = root_ * (turned + map.rigid.t - position_);
+    const Vector3d turned = map.scale * (map.rotation * point_);
+    Eigen::Map<Vector3d>(residuals, 3) = root_ * (turned + map.t - position_);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     const Matrix3d by_rotation = -root_ * Hat(turned);
     const Vector3d by_scale = root_ * turned;

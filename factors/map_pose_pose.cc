@@ -39,11 +39,11 @@ class MapPosePoseCost final : public ceres::SizedCostFunction<3, kMapSize, kPose
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     const MapView u(blocks[0]);
     const PoseView d(blocks[1]);
-    const Vector3d normal = u.rigid.rotation * normal_u_;
+    const Vector3d normal = u.rotation * normal_u_;
     const Vector3d axis_1 = d.rotation * axis_1_, axis_2 = d.rotation * axis_2_;
     const Vector3d turned_d = d.rotation * centroid_d_;
-    const Vector3d turned_u = u.scale * (u.rigid.rotation * centroid_u_);
-    const Vector3d difference = turned_d + d.t - u.rigid.t - turned_u;
+    const Vector3d turned_u = u.scale * (u.rotation * centroid_u_);
+    const Vector3d difference = turned_d + d.t - u.t - turned_u;
     residuals[0] = axis_1.dot(normal);
     residuals[1] = axis_2.dot(normal);
     residuals[2] = offset_weight_ * normal.dot(difference);

@@ -81,6 +81,9 @@ void PoseToBlock(const Rigid3& pose, double* block);
 
 /// Rotation matrix and translation of a pose block, for use inside cost functions.
 struct PoseView {
+  static constexpr int kSize = kPoseSize;
+  static constexpr double scale = 1.0;
+
   explicit PoseView(const double* block)
       : q(block), t(block + 4), rotation(Eigen::Quaterniond(q).toRotationMatrix()) {}
   Eigen::Map<const Eigen::Vector4d> q;
@@ -95,15 +98,21 @@ struct PoseView {
     row[3] = -2.0 * dr.dot(q.head<3>());
     Eigen::Map<Eigen::Vector3d>(row + 4) = dx;
   }
+  /// The same for factors that serve poses and maps alike: a pose has no scale.
+  void SetRow(const Eigen::Vector3d& dx, const Eigen::Vector3d& dr, double /*dl*/,
+              double* row) const {
+    SetRow(dx, dr, row);
+  }
 };
 
-/// The same for a map block; SetRow takes d/dl, too, and fills 8 numbers.
-struct MapView {
-  explicit MapView(const double* block) : rigid(block), scale(std::exp(block[7])) {}
-  PoseView rigid;
+/// The same for a map block: with its scale, and rows of 8 numbers, the last of them d/dl.
+struct MapView : PoseView {
+  static constexpr int kSize = kMapSize;
+
+  explicit MapView(const double* block) : PoseView(block), scale(std::exp(block[7])) {}
   double scale;
   void SetRow(const Eigen::Vector3d& dx, const Eigen::Vector3d& dr, double dl, double* row) const {
-    rigid.SetRow(dx, dr, row);
+    PoseView::SetRow(dx, dr, row);
     row[7] = dl;
   }
 };
