@@ -1,5 +1,6 @@
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -126,7 +127,10 @@ Json MapJson(const MapResult& result, std::size_t m) {
                {"georeference", nullptr},
                {"seconds", {{"read", map.seconds_read}, {"segment", map.seconds_segment}}}};
   if (map.georeference) json["georeference"] = GeoreferenceJson(*map.georeference);
-  if (m < result.map_covariances.size()) {
+  // Without a scan in it the joint solve says nothing of a map.
+  const bool joined = std::any_of(result.map_pairs.begin(), result.map_pairs.end(),
+                                  [m](const auto& pair) { return pair.used && pair.map == m; });
+  if (joined && m < result.map_covariances.size()) {
     json["sigma_scale"] = Number(std::sqrt(result.map_covariances[m](6, 6)));
     json["covariance"] = Json::array();
     for (int r = 0; r < 7; ++r) {

@@ -166,6 +166,12 @@ MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start
   return candidate;
 }
 
+void SortByScore(std::vector<MapCandidate>* candidates) {
+  std::stable_sort(candidates->begin(), candidates->end(), [](const auto& a, const auto& b) {
+    return a.evidence.Score() > b.evidence.Score();
+  });
+}
+
 std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
                                     const std::vector<Start>& starts,
                                     const MapLocationOptions& options) {
@@ -177,9 +183,7 @@ std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
   std::erase_if(candidates, [&](const MapCandidate& c) {
     return std::abs(std::log(c.refinement.map_from_group.scale)) > most;
   });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.evidence.Score() > b.evidence.Score();
-  });
+  SortByScore(&candidates);
   return candidates;
 }
 
@@ -193,6 +197,23 @@ std::vector<MapCandidate> DifferentPoses(std::vector<MapCandidate> candidates, s
     if (!known) kept.push_back(std::move(candidate));
   }
   return kept;
+}
+
+// Refines the best candidate with more surfaces. One that falls behind the next by it leaves its
+// place to that, until the first one is refined.
+void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
+                std::vector<MapCandidate>* candidates) {
+  MapRefinementOptions fine;
+  fine.sigma_scale = options.prior.sigma_scale;
+  fine.first_gate = 0.3;
+  for (std::size_t k = 0; k < candidates->size(); ++k) {
+    MapCandidate& best = candidates->front();
+    best.refinement = RefineInMap(map, group, best.refinement.map_from_group, fine);
+    best.evidence = MeasureEvidence(map, group, best.refinement.map_from_group, options.gate);
+    const double score = best.evidence.Score();
+    SortByScore(candidates);
+    if (candidates->front().evidence.Score() <= score) return;
+  }
 }
 
 // Probability that the best wrong pose scores as high as the best one: the scores of the poses that
@@ -300,13 +321,8 @@ MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
     location.reason = "the scans and the map have no two plane directions at equal angles";
     return location;
   }
-  MapRefinementOptions fine;
-  fine.sigma_scale = options.prior.sigma_scale;
-  fine.first_gate = 0.3;
-  MapCandidate& best = location.candidates.front();
-  best.refinement = RefineInMap(map, group, best.refinement.map_from_group, fine);
-  best.evidence = MeasureEvidence(map, group, best.refinement.map_from_group, options.gate);
-  location.r1 = best.evidence.Score();
+  RefineBest(map, group, options, &location.candidates);
+  location.r1 = location.candidates.front().evidence.Score();
   if (location.candidates.size() > 1) location.r2 = location.candidates[1].evidence.Score();
   location.chance = ChanceOfWrong(location.candidates);
   Decide(options, &location);

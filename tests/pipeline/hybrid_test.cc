@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "io/test_files.h"
@@ -171,6 +173,33 @@ TEST_F(HybridYard, AMapOfAnotherPlaceIsLeftAlone) {
   EXPECT_EQ(result.components, 1);
   ASSERT_FALSE(result.map_pairs.empty());
   EXPECT_FALSE(result.map_pairs[0].reason.empty());
+  const auto report = nlohmann::json::parse(ReportJson(result, Options("graph")));
+  EXPECT_TRUE(report["maps"][0]["sigma_scale"].is_null()) << "no scan says anything of its scale";
+  EXPECT_TRUE(report["maps"][0]["covariance"].is_null());
+}
+
+// Scans deep in a hall, of which the drone saw the outside alone: all their poses in the map are
+// wrong, and about as good as each other.
+TEST(HybridData, TheBestCandidateComesFirst) {
+  const std::string base = PLANEGRAPH_SHARED_DATA "/hybrid-site-a";
+  if (!std::filesystem::exists(base)) GTEST_SKIP() << "no " << base;
+  const Site site = ReadSite(base + "/site_loop_nostart.yaml");
+  std::vector<std::string> warnings;
+  const MapRecord map = PrepareMap(site, 0, 2, &warnings);
+  const MapModel model(map.planes);
+  for (const std::size_t scan : {5u, 7u, 9u}) {
+    SCOPED_TRACE(scan);
+    const ScanRecord record = PrepareScan(site, 0, scan, {});
+    const ScanModel scan_model(record.planes);
+    MapLocationOptions options;
+    options.threads = 2;
+    options.prior.upright = true;
+    options.prior.sigma_scale = map.sigma_scale;
+    const MapLocation found = LocateInMap(model, ScanGroup(scan_model), options);
+    EXPECT_GE(found.r1, found.r2);
+    EXPECT_LE(found.chance, 1.0);
+    EXPECT_NE(found.status, RegistrationStatus::kOk);
+  }
 }
 
 class HybridQuarter : public TestFolder {};

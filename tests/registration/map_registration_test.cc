@@ -100,6 +100,24 @@ RayWorld TwoFold() {
   return world;
 }
 
+TEST(LocateInMap, TheBestCandidateComesFirstAndItsChanceIsAProbability) {
+  const VillageMap map(TwoFold());
+  for (int seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    // A scan of another place: its best poses are all wrong, and nearly as good as each other.
+    const MadeScan scan(Village(), MakePose(1.0 * seed - 6.0, 0.2, 1.3, 0.3 * seed), seed);
+    MapLocationOptions options;
+    options.threads = 2;
+    options.prior.upright = true;
+    const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
+    for (std::size_t k = 1; k < found.candidates.size(); ++k) {
+      EXPECT_LE(found.candidates[k].evidence.Score(), found.candidates[k - 1].evidence.Score());
+    }
+    EXPECT_GE(found.r1, found.r2);
+    EXPECT_LE(found.chance, 1.0);
+  }
+}
+
 TEST(LocateInMap, ATwoFoldSymmetryIsAmbiguous) {
   const VillageMap map(TwoFold());
   const Rigid3 pose = MakePose(0.5, 0.2, 1.3, 0.4);
