@@ -11,6 +11,7 @@
 #include "tools/command.h"
 #include "tools/common_flags.h"
 #include "tools/plane_input.h"
+#include "tools/pose_json.h"
 
 DEFINE_string(origin, "", "of the east-north-up frame: lat,lon,alt (degrees, metres)");
 
@@ -39,24 +40,6 @@ GeoreferenceOptions OptionsFromFlags() {
   return options;
 }
 
-nlohmann::json SimilarityToJson(const Sim3& similarity) {
-  const auto& t = similarity.translation;
-  const auto& q = similarity.rotation;
-  return {{"scale", similarity.scale},
-          {"rotation", {q.x(), q.y(), q.z(), q.w()}},
-          {"translation", {t.x(), t.y(), t.z()}}};
-}
-
-nlohmann::json CovarianceToJson(const Matrix7d& covariance) {
-  nlohmann::json out = nlohmann::json::array();
-  for (int k = 0; k < 49; ++k) {
-    const double value = covariance(k / 7, k % 7);
-    const bool finite = std::abs(value) <= kInfinite * kInfinite;
-    out.push_back(finite ? nlohmann::json(value) : nlohmann::json());
-  }
-  return out;
-}
-
 nlohmann::json OriginToJson(const std::optional<GeodeticPosition>& origin) {
   if (!origin) return nullptr;
   return {{"lat", origin->latitude}, {"lon", origin->longitude}, {"alt", origin->altitude}};
@@ -76,7 +59,7 @@ nlohmann::json ToJson(const Georeference& result, const CameraModel& model) {
                          {"rms", nullptr}};
   if (!result.has_estimate) return json;
   json["world_from_map"] = SimilarityToJson(result.world_from_map);
-  json["covariance"] = CovarianceToJson(result.covariance);
+  json["covariance"] = CovarianceToJson(result.covariance, kInfinite * kInfinite);
   if (result.sigma_scale <= kInfinite) json["sigma_scale"] = result.sigma_scale;
   json["rms"] = result.rms;
   json["sigma_horizontal"] = result.sigma_horizontal;

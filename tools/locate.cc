@@ -14,6 +14,7 @@
 #include "tools/command.h"
 #include "tools/common_flags.h"
 #include "tools/plane_input.h"
+#include "tools/pose_json.h"
 
 DECLARE_string(map);
 DEFINE_string(odometry, "", "TUM file that ties several scans to a group, a line for each");
@@ -122,13 +123,8 @@ nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
   nlohmann::json candidates = nlohmann::json::array();
   for (const MapCandidate& candidate : location.candidates) {
     const Sim3 pose = map.metric_from_map.Inverse() * candidate.refinement.map_from_group;
-    const auto& t = pose.translation;
-    const auto& q = pose.rotation;
     candidates.push_back(
-        {{"map_from_scan",
-          {{"scale", pose.scale},
-           {"rotation", {q.x(), q.y(), q.z(), q.w()}},
-           {"translation", {t.x(), t.y(), t.z()}}}},
+        {{"map_from_scan", SimilarityToJson(pose)},
          {"score", FLAGS_method == "cells" ? candidate.evidence.agree : candidate.evidence.Score()},
          {"agree", candidate.evidence.agree},
          {"worst_direction", candidate.evidence.worst_direction},

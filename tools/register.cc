@@ -16,6 +16,7 @@
 #include "tools/command.h"
 #include "tools/common_flags.h"
 #include "tools/plane_input.h"
+#include "tools/pose_json.h"
 
 DEFINE_string(source_kind, "laser", "where the source comes from: laser or vision");
 DEFINE_string(target_kind, "laser", "where the target comes from: laser or vision");
@@ -71,24 +72,6 @@ Matrix6d CovarianceWithOffsets(const Refinement& result, const PlaneSet& source)
   return jacobian * result.covariance * jacobian.transpose();
 }
 
-nlohmann::json PoseToJson(const Rigid3& pose) {
-  const auto& t = pose.translation;
-  const auto& q = pose.rotation;
-  return {{"translation", {t.x(), t.y(), t.z()}}, {"rotation", {q.x(), q.y(), q.z(), q.w()}}};
-}
-
-nlohmann::json FiniteOrNull(double value, double most) {
-  return std::abs(value) <= most ? nlohmann::json(value) : nlohmann::json();
-}
-
-nlohmann::json CovarianceToJson(const Matrix6d& covariance) {
-  nlohmann::json out = nlohmann::json::array();
-  for (int k = 0; k < 36; ++k) {
-    out.push_back(FiniteOrNull(covariance(k / 6, k % 6), kInfinite * kInfinite));
-  }
-  return out;
-}
-
 nlohmann::json UnobservedToJson(const std::vector<UnobservedDirection>& unobserved) {
   nlohmann::json out = nlohmann::json::array();
   for (const auto& open : unobserved) {
@@ -125,7 +108,8 @@ nlohmann::json ToJson(const Registration& result, const PlaneSet& target, const 
       {"status", ToString(result.status)},
       {"reason", result.reason},
       {"correspondences", PairsToJson(result.refinement.correspondences, target, source)},
-      {"covariance", CovarianceToJson(CovarianceWithOffsets(result.refinement, source))},
+      {"covariance",
+       CovarianceToJson(CovarianceWithOffsets(result.refinement, source), kInfinite * kInfinite)},
       {"unobserved", UnobservedToJson(result.unobserved)},
       {"quality", result.quality},
       {"runner_up", result.runner_up},
@@ -218,10 +202,9 @@ nlohmann::json MapResultToJson(const MapLocation& location, const MapModel& map,
                                 map.planes().offset / scale.scale);
   const Sim3 shift(1.0, Eigen::Quaterniond::Identity(), -source.planes->offset);
   const Sim3 pose = target_from_metric * metric * shift;
-  json["target_from_source"] = PoseToJson({pose.rotation, pose.translation});
-  json["target_from_source"]["scale"] = pose.scale;
+  json["target_from_source"] = SimilarityToJson(pose);
   const Matrix6d covariance = found.covariance.topLeftCorner<6, 6>();
-  json["covariance"] = CovarianceToJson(covariance);
+  json["covariance"] = CovarianceToJson(covariance, kInfinite * kInfinite);
   json["sigma_scale"] = std::sqrt(found.covariance(6, 6));
   json["unobserved"] = UnobservedToJson(OpenInMap(covariance));
   json["correspondences"] =

@@ -59,20 +59,8 @@ Group MakeGroup(const std::vector<ScanModel>& models, const std::vector<int>& co
 
 class Placer {
  public:
-  Placer(const Site& site, const std::vector<ScanModel>& models,
-         const std::vector<ScanRecord>& scans, const std::vector<int>& component,
-         const std::vector<OdometryStep>& odometry, const std::vector<MapRecord>& maps,
-         const std::vector<MapModel>& map_models, int threads, Placement* placement)
-      : site_(site),
-        models_(models),
-        scans_(scans),
-        component_(component),
-        odometry_(odometry),
-        maps_(maps),
-        map_models_(map_models),
-        threads_(threads),
-        placement_(*placement),
-        scale_known_(maps.size(), false) {}
+  Placer(const PlacementProblem& problem, Placement* placement)
+      : problem_(problem), placement_(*placement), scale_known_(problem.maps.size(), false) {}
 
   void Run(std::vector<MapPairRecord>* records);
 
@@ -84,14 +72,7 @@ class Placer {
   void Place(const Group& group, std::size_t map, const MapRefinement& found);
   void CorrectMap(const Group& group, std::size_t map, const Sim3& metric_from_group);
 
-  const Site& site_;
-  const std::vector<ScanModel>& models_;
-  const std::vector<ScanRecord>& scans_;
-  const std::vector<int>& component_;
-  const std::vector<OdometryStep>& odometry_;
-  const std::vector<MapRecord>& maps_;
-  const std::vector<MapModel>& map_models_;
-  int threads_;
+  const PlacementProblem& problem_;
   Placement& placement_;
   std::vector<bool> scale_known_;
 };
@@ -99,8 +80,8 @@ class Placer {
 // World pose of the group by a robot's start, if its first scan is in it.
 std::optional<MapPrior::Pose> Placer::StartPrior(const Group& group) const {
   for (std::size_t k = 0; k < group.scans.size(); ++k) {
-    const ScanRecord& scan = scans_[group.scans[k]];
-    const auto& start = site_.robots[scan.robot].start;
+    const ScanRecord& scan = problem_.scans[group.scans[k]];
+    const auto& start = problem_.site.robots[scan.robot].start;
     if (scan.index != 0 || !start) continue;
     return MapPrior::Pose{start->world_from_scan * group.group.group_from_scan[k].Inverse(),
                           start->sigma_translation, start->sigma_rotation};
@@ -111,7 +92,7 @@ std::optional<MapPrior::Pose> Placer::StartPrior(const Group& group) const {
 // World pose of the group by odometry from a scan that is placed already.
 std::optional<MapPrior::Pose> Placer::OdometryPrior(const Group& group) const {
   constexpr double kLeastSigma = 0.3;  // metres
-  for (const OdometryStep& step : odometry_) {
+  for (const OdometryStep& step : problem_.odometry) {
     for (std::size_t k = 0; k < group.scans.size(); ++k) {
       const bool onward = step.source == group.scans[k] && placement_.placed[step.target];
       const bool back = step.target == group.scans[k] && placement_.placed[step.source];
@@ -136,9 +117,9 @@ std::optional<MapPrior::Pose> Placer::PresentPose(const Group& group) const {
 }
 
 MapLocation Placer::Locate(const Group& group, std::size_t m) const {
-  const MapRecord& map = maps_[m];
+  const MapRecord& map = problem_.maps[m];
   MapLocationOptions options;
-  options.threads = threads_;
+  options.threads = problem_.threads;
   options.prior.upright = map.has_position();
   options.prior.sigma_scale = scale_known_[m] ? 0.003 : map.sigma_scale;
   std::optional<MapPrior::Pose> pose = PresentPose(group);
@@ -157,7 +138,7 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
     pose->map_from_group = RigidNear(metric, group.centre);
     options.prior.pose = pose;
   }
-  return LocateInMap(map_models_[m], group.group, options);
+  return LocateInMap(problem_.map_models[m], group.group, options);
 }
 
 // The laser is metric: the first group that is found in a map says what the map's metre is. The
@@ -167,7 +148,7 @@ void Placer::CorrectMap(const Group& group, std::size_t m, const Sim3& metric_fr
   if (scale_known_[m]) return;
   scale_known_[m] = true;
   Sim3& world_from_metric = placement_.world_from_metric[m];
-  if (maps_[m].has_position() && !placement_.placed[group.scans.front()]) {
+  if (problem_.maps[m].has_position() && !placement_.placed[group.scans.front()]) {
     world_from_metric.scale = 1.0 / metric_from_group.scale;
     return;
   }
@@ -180,9 +161,9 @@ void Placer::Place(const Group& group, std::size_t m, const MapRefinement& found
   const Rigid3 world_from_group =
       RigidNear(placement_.world_from_metric[m] * found.map_from_group, group.centre);
   const Rigid3 moved = world_from_group * placement_.world_from_scan[group.scans.front()].Inverse();
-  const int wanted = component_[group.scans.front()];
-  for (std::size_t i = 0; i < component_.size(); ++i) {
-    if (component_[i] != wanted || placement_.placed[i]) continue;
+  const int wanted = problem_.component[group.scans.front()];
+  for (std::size_t i = 0; i < problem_.component.size(); ++i) {
+    if (problem_.component[i] != wanted || placement_.placed[i]) continue;
     placement_.world_from_scan[i] = moved * placement_.world_from_scan[i];
     placement_.placed[i] = true;
   }
@@ -191,15 +172,17 @@ void Placer::Place(const Group& group, std::size_t m, const MapRefinement& found
 
 void Placer::Run(std::vector<MapPairRecord>* records) {
   // Components with a start first: what they find helps the others.
-  std::set<int> components(component_.begin(), component_.end());
+  std::set<int> components(problem_.component.begin(), problem_.component.end());
   std::vector<int> order(components.begin(), components.end());
   std::stable_partition(order.begin(), order.end(), [&](int c) {
-    return StartPrior(MakeGroup(models_, component_, c, placement_.world_from_scan)).has_value();
+    return StartPrior(MakeGroup(problem_.models, problem_.component, c, placement_.world_from_scan))
+        .has_value();
   });
   for (const int c : order) {
-    for (std::size_t m = 0; m < maps_.size(); ++m) {
+    for (std::size_t m = 0; m < problem_.maps.size(); ++m) {
       const auto start = std::chrono::steady_clock::now();
-      const Group group = MakeGroup(models_, component_, c, placement_.world_from_scan);
+      const Group group =
+          MakeGroup(problem_.models, problem_.component, c, placement_.world_from_scan);
       if (placement_.placed[group.scans.front()] && scale_known_[m]) continue;
       const MapLocation location = Locate(group, m);
       if (location.status == RegistrationStatus::kOk) {
@@ -270,13 +253,9 @@ MapPairRecord RegisterToMap(const ScanModel& scan, const MapModel& map,
 
 }  // namespace
 
-void PlaceInMaps(const Site& site, const std::vector<ScanModel>& models,
-                 const std::vector<ScanRecord>& scans, const std::vector<int>& component,
-                 const std::vector<OdometryStep>& odometry, const std::vector<MapRecord>& maps,
-                 const std::vector<MapModel>& map_models, int threads, Placement* placement,
+void PlaceInMaps(const PlacementProblem& problem, Placement* placement,
                  std::vector<MapPairRecord>* records) {
-  Placer(site, models, scans, component, odometry, maps, map_models, threads, placement)
-      .Run(records);
+  Placer(problem, placement).Run(records);
 }
 
 std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,

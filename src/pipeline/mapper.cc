@@ -99,9 +99,10 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
                     Placement* placement, MapResult* result) {
   std::vector<MapModel> map_models;
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
-  PlaceInMaps(result->site, models, result->scans, Components(result->scans.size(), result->pairs),
-              result->odometry, result->maps, map_models, options.threads, placement,
-              &result->map_pairs);
+  const std::vector<int> component = Components(result->scans.size(), result->pairs);
+  PlaceInMaps({result->site, models, result->scans, component, result->odometry, result->maps,
+               map_models, options.threads},
+              placement, &result->map_pairs);
   if (options.optimizer == "graph") {
     std::vector<int> frames = FramesOf(result->site, result->scans);
     for (std::size_t i = 0; i < frames.size(); ++i) {

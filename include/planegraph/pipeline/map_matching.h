@@ -30,14 +30,23 @@ struct Placement {
   std::vector<MapErrors> errors;        ///< of each map, as the scans found them
 };
 
+/// What placing works on; none of it is owned, all of it must outlive the call.
+struct PlacementProblem {
+  const Site& site;
+  const std::vector<ScanModel>& models;
+  const std::vector<ScanRecord>& scans;
+  const std::vector<int>& component;  ///< of each scan, by registrations between scans
+  const std::vector<OdometryStep>& odometry;
+  const std::vector<MapRecord>& maps;
+  const std::vector<MapModel>& map_models;
+  int threads = 0;
+};
+
 /// Places the components of scans (rigid groups, joined by registrations) in the maps: near the
 /// start where there is one, or near what odometry says after another component of the robot, else
 /// anywhere. The scale of a map is corrected by the first group that is found in it. Components
 /// that are not found stay; the reason goes into *records, one for each of their scans.
-void PlaceInMaps(const Site& site, const std::vector<ScanModel>& models,
-                 const std::vector<ScanRecord>& scans, const std::vector<int>& component,
-                 const std::vector<OdometryStep>& odometry, const std::vector<MapRecord>& maps,
-                 const std::vector<MapModel>& map_models, int threads, Placement* placement,
+void PlaceInMaps(const PlacementProblem& problem, Placement* placement,
                  std::vector<MapPairRecord>* records);
 
 /// Registers every placed scan to the sections of the maps about it (steps f to h of the paper).
