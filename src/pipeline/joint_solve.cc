@@ -72,6 +72,27 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
   return solve;
 }
 
+// When the rounds of association and solve end: metres.
+struct Rest {
+  double last_gate, stable;
+};
+
+// Association and solve in turns until no pose moves at the last gate, or the rounds are used up.
+void Rounds(const JointProblem& problem, const MapOptions& options, const MapWeights& weights,
+            const std::vector<int>& component, const Rest& rest, AssociationOptions* association,
+            JointSolution* solution) {
+  bool last = false;
+  for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
+    Graph graph = BuildGraph(problem, *solution, *association, weights);
+    solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
+    const double move = LargestMove(PosesOf(graph), solution->world_from_scan, component);
+    last = association->gate <= rest.last_gate && move < rest.stable;
+    TakeOver(std::move(graph), solution);
+    association->gate = std::max(rest.last_gate, 0.4 * association->gate);
+    options.progress("solve", static_cast<double>(solution->rounds + 1) / options.most_rounds);
+  }
+}
+
 // The last solve of the last association, to the end.
 void FinishSolve(const MapOptions& options, const std::vector<int>& component, double stable,
                  JointSolution* solution) {
@@ -244,18 +265,11 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   const double last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
   // Below what the scans disagree by, a pose's move means nothing.
   const double stable = std::max(options.stable, association.floor_offset);
-  bool last = false;
-  for (solution.rounds = 0; solution.rounds < options.most_rounds && !last; ++solution.rounds) {
-    Graph graph = BuildGraph(problem, solution, association, weights);
-    solution.summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
-    const std::vector<Rigid3> moved = PosesOf(graph);
-    const double move = LargestMove(moved, solution.world_from_scan, component);
-    last = association.gate <= last_gate && move < stable;
-    TakeOver(std::move(graph), &solution);
-    association.gate = std::max(last_gate, 0.4 * association.gate);
-    options.progress("solve", static_cast<double>(solution.rounds + 1) / options.most_rounds);
-  }
-  FinishSolve(options, component, stable, &solution);
+  // The last solve may find that the quick ones before it had only come to rest too early.
+  do {
+    Rounds(problem, options, weights, component, {last_gate, stable}, &association, &solution);
+    FinishSolve(options, component, stable, &solution);
+  } while (solution.last_move >= stable && solution.rounds < options.most_rounds);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;
   solution.seconds =
