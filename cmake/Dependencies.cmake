@@ -17,6 +17,7 @@ planegraph_find_package(embree 3)
 planegraph_find_package(ZLIB)
 planegraph_find_package(GeographicLib)
 planegraph_find_package(LibExif)
+planegraph_find_package(Cholmod)
 # Packages of the command line tool alone.
 find_package(glog REQUIRED)
 find_package(gflags REQUIRED)

@@ -25,5 +25,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/PlanegraphConfi
 install(FILES ${PROJECT_BINARY_DIR}/generated/PlanegraphConfig.cmake
               ${PROJECT_BINARY_DIR}/generated/PlanegraphConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindGeographicLib.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCholmod.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindLibExif.cmake
         DESTINATION ${package_dir})

@@ -9,6 +9,7 @@ Command FactorsCommand();
 Command GeoreferenceCommand();
 Command LocateCommand();
 Command MapCommand();
+Command OptimizeCommand();
 Command RegisterCommand();
 Command ReportCommand();
 Command SegmentCommand();
@@ -16,9 +17,9 @@ Command SimulateCommand();
 
 std::vector<Command> AllCommands() {
   return {
-      MapCommand(),          ReportCommand(),   SegmentCommand(), RegisterCommand(),
-      EvaluateCommand(),     SimulateCommand(), FactorsCommand(), ConvertCommand(),
-      GeoreferenceCommand(), LocateCommand(),
+      MapCommand(),          ReportCommand(),   SegmentCommand(),  RegisterCommand(),
+      EvaluateCommand(),     SimulateCommand(), FactorsCommand(),  ConvertCommand(),
+      GeoreferenceCommand(), LocateCommand(),   OptimizeCommand(),
   };
 }
 

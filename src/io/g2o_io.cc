@@ -15,6 +15,8 @@ namespace {
 
 constexpr char kVertex3[] = "VERTEX_SE3:QUAT", kVertex2[] = "VERTEX_SE2";
 constexpr char kEdge3[] = "EDGE_SE3:QUAT", kEdge2[] = "EDGE_SE2", kFix[] = "FIX";
+constexpr char kPrior3[] = "EDGE_SE3_PRIOR", kPrior2[] = "EDGE_PRIOR_SE2";
+constexpr char kOffset[] = "PARAMS_SE3OFFSET";
 
 // The words after the tag of one line, taken from left to right.
 class LineFields {
@@ -94,6 +96,8 @@ class G2oParser {
     }
     CheckEnds(graph_.edges3, edge3_lines_);
     CheckEnds(graph_.edges2, edge2_lines_);
+    CheckIds(graph_.priors3, prior3_lines_);
+    CheckIds(graph_.priors2, prior2_lines_);
     return std::move(graph_);
   }
 
@@ -118,6 +122,22 @@ class G2oParser {
       const Pose2 measurement = fields.PlanarPose();
       graph_.edges2.push_back({from, to, measurement, fields.Information<Eigen::Matrix3d>()});
       edge2_lines_.push_back(number);
+    } else if (tag == kPrior3) {
+      const long long id = fields.Id(), offset = fields.Id();
+      if (moved_offsets_.count(offset)) fields.Fail("its sensor offset is not the identity");
+      const Rigid3 measurement = fields.Pose();
+      graph_.priors3.push_back({id, measurement, fields.Information<Matrix6d>()});
+      prior3_lines_.push_back(number);
+    } else if (tag == kPrior2) {
+      const long long id = fields.Id();
+      const Pose2 measurement = fields.PlanarPose();
+      graph_.priors2.push_back({id, measurement, fields.Information<Eigen::Matrix3d>()});
+      prior2_lines_.push_back(number);
+    } else if (tag == kOffset) {
+      const long long id = fields.Id();
+      const Rigid3 offset = fields.Pose();
+      const bool moves = !offset.translation.isZero(0.0) || offset.rotation.vec().norm() > 1e-12;
+      if (moves) moved_offsets_.insert(id);
     } else if (tag == kFix) {
       do graph_.fixed.push_back(fields.Id());
       while (!fields.AtEnd());
@@ -144,17 +164,22 @@ class G2oParser {
   template <typename Edges>
   void CheckEnds(const Edges& edges, const std::vector<std::size_t>& lines) const {
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      for (const long long id : {edges[i].from, edges[i].to}) {
-        if (ids_.count(id)) continue;
-        throw InputError::AtLine(file_, lines[i], "no vertex has the id " + std::to_string(id));
-      }
+      for (const long long id : {edges[i].from, edges[i].to}) CheckId(id, lines[i]);
     }
+  }
+  template <typename Priors>
+  void CheckIds(const Priors& priors, const std::vector<std::size_t>& lines) const {
+    for (std::size_t i = 0; i < priors.size(); ++i) CheckId(priors[i].id, lines[i]);
+  }
+  void CheckId(long long id, std::size_t line) const {
+    if (ids_.count(id)) return;
+    throw InputError::AtLine(file_, line, "no vertex has the id " + std::to_string(id));
   }
 
   const std::string& file_;
   G2oGraph graph_;
-  std::unordered_set<long long> ids_;
-  std::vector<std::size_t> edge3_lines_, edge2_lines_;
+  std::unordered_set<long long> ids_, moved_offsets_;
+  std::vector<std::size_t> edge3_lines_, edge2_lines_, prior3_lines_, prior2_lines_;
 };
 
 // ---- writing ----
@@ -196,6 +221,31 @@ void AppendVertices(const char* tag, const Vertices& vertices, G2oText* text) {
   }
 }
 
+// g2o's 3-D priors name the parameters of their sensor; ours is at the pose itself.
+void AppendPriors(const G2oGraph& graph, G2oText* text) {
+  if (!graph.priors3.empty()) {
+    text->Tag(kOffset);
+    text->Add(0LL);
+    text->Add(Rigid3());
+    text->EndLine();
+  }
+  for (const G2oPrior3& prior : graph.priors3) {
+    text->Tag(kPrior3);
+    text->Add(prior.id);
+    text->Add(0LL);
+    text->Add(prior.measurement);
+    text->AddUpperTriangle(prior.information);
+    text->EndLine();
+  }
+  for (const G2oPrior2& prior : graph.priors2) {
+    text->Tag(kPrior2);
+    text->Add(prior.id);
+    text->Add(prior.measurement);
+    text->AddUpperTriangle(prior.information);
+    text->EndLine();
+  }
+}
+
 template <typename Edges>
 void AppendEdges(const char* tag, const Edges& edges, G2oText* text) {
   for (const auto& edge : edges) {
@@ -225,6 +275,7 @@ void WriteG2o(const std::string& path, const G2oGraph& graph) {
     text.Add(id);
     text.EndLine();
   }
+  AppendPriors(graph, &text);
   AppendEdges(kEdge3, graph.edges3, &text);
   AppendEdges(kEdge2, graph.edges2, &text);
   WriteTextFile(path, text.text());

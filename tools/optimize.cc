@@ -1,0 +1,231 @@
+// `planegraph optimize`: a pose graph by itself.
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "planegraph/base/error.h"
+#include "planegraph/pose_graph/certificate.h"
+#include "planegraph/pose_graph/g2o_conversion.h"
+#include "planegraph/pose_graph/robust_optimization.h"
+#include "tools/command.h"
+#include "tools/common_flags.h"
+
+DEFINE_string(init, "chordal", "start: chordal (from the edges alone) or given (the file's poses)");
+DEFINE_string(
+    information, "file",
+    "information matrices: file (as they are), isotropic (SE-Sync's tau and kappa of each) "
+    "or nearest (the nearest positive semi-definite ones)");
+DEFINE_string(rotation_error, "half",
+              "rotation error that the file's matrices belong to: half (g2o's, half the angle) or "
+              "full");
+DEFINE_bool(certify, false,
+            "with --information=isotropic: prove that the result is the global minimum, and step "
+            "away from a local one");
+DECLARE_string(loss);
+
+namespace planegraph::tools {
+namespace {
+
+// The value of a flag that has to be one of `names`: its index.
+int Choice(const std::string& flag, const std::string& value,
+           const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == value) return static_cast<int>(i);
+    list += (i == 0 ? "" : " or ") + names[i];
+  }
+  throw UsageError("--" + flag + " must be " + list + ", not '" + value + "'");
+}
+
+struct Settings {
+  bool chordal = true;
+  G2oConversionOptions conversion;
+  LossSpec loss;
+  std::optional<GncOptions> gnc;
+};
+
+// gnc_tls[:SCALE], gnc_gm[:SCALE]; none for other losses.
+std::optional<GncOptions> ParseGnc(const std::string& text) {
+  const std::string name = text.substr(0, text.find(':'));
+  if (name != "gnc_tls" && name != "gnc_gm") return std::nullopt;
+  GncOptions options;
+  options.kernel = name == "gnc_tls" ? GncKernel::kTruncated : GncKernel::kGemanMcClure;
+  // The scale is read as that of any other loss.
+  if (name.size() < text.size())
+    options.scale = ParseLoss("huber" + text.substr(name.size())).scale;
+  return options;
+}
+
+Settings SettingsFromFlags() {
+  Settings settings;
+  settings.chordal = Choice("init", FLAGS_init, {"chordal", "given"}) == 0;
+  settings.conversion.information = static_cast<InformationUse>(
+      Choice("information", FLAGS_information, {"file", "isotropic", "nearest"}));
+  settings.conversion.rotation_error =
+      static_cast<RotationError>(Choice("rotation_error", FLAGS_rotation_error, {"half", "full"}));
+  // The flag is shared with `map`, whose default is another.
+  const bool given = !gflags::GetCommandLineFlagInfoOrDie("loss").is_default;
+  const std::string loss = given ? FLAGS_loss : "none";
+  settings.gnc = ParseGnc(loss);
+  if (!settings.gnc) settings.loss = ParseLoss(loss);
+  if (!FLAGS_certify) return settings;
+  if (settings.conversion.information != InformationUse::kIsotropic) {
+    throw UsageError("--certify proves the isotropic problem: it needs --information=isotropic");
+  }
+  if (settings.loss.name != "none" ||
+      (settings.gnc && settings.gnc->kernel != GncKernel::kTruncated)) {
+    throw UsageError("--certify needs --loss=none or --loss=gnc_tls");
+  }
+  return settings;
+}
+
+struct Outcome {
+  double initial_cost = 0.0, final_cost = 0.0;
+  PoseGraphSummary summary;
+  std::optional<GncSummary> gnc;
+  std::optional<Certificate> certificate;
+  double seconds_start = 0.0, seconds_certificate = 0.0;
+  std::size_t rejected = 0, robust = 0, parts = 0;
+};
+
+template <int Dim>
+std::size_t CountParts(const PoseGraph<Dim>& graph) {
+  const std::vector<int> parts = ConnectedParts(graph);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) count += parts[i] == static_cast<int>(i);
+  return count;
+}
+
+// The edges that graduated non-convexity kept.
+template <int Dim>
+PoseGraph<Dim> Kept(const PoseGraph<Dim>& graph, const std::optional<GncSummary>& gnc) {
+  if (!gnc) return graph;
+  PoseGraph<Dim> kept = graph;
+  kept.edges.clear();
+  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
+    if (gnc->weights[k] >= 0.5) kept.edges.push_back(graph.edges[k]);
+  }
+  return kept;
+}
+
+template <int Dim>
+void SolveGraph(const Settings& settings, PoseGraph<Dim>* graph, Outcome* outcome) {
+  if (settings.gnc) {
+    outcome->gnc = OptimizeByGnc(graph, *settings.gnc);
+    outcome->summary = outcome->gnc->last;
+    outcome->summary.final_cost = outcome->gnc->robust_cost;
+    for (std::size_t k = 0; k < graph->edges.size(); ++k) {
+      outcome->robust += graph->edges[k].robust;
+      outcome->rejected += outcome->gnc->weights[k] < 0.5;
+    }
+    return;
+  }
+  PoseGraphOptions options;
+  options.loss = settings.loss;
+  outcome->summary = OptimizePoseGraph(graph, options);
+}
+
+template <int Dim>
+Outcome Optimize(const Settings& settings, const std::string& path, G2oGraph* file) {
+  PoseGraph<Dim> graph = MakePoseGraph<Dim>(*file, path, settings.conversion);
+  Outcome outcome;
+  outcome.parts = CountParts(graph);
+  const double begin = SecondsSinceStart();
+  if (settings.chordal) InitializeChordal(&graph);
+  outcome.seconds_start = SecondsSinceStart() - begin;
+  outcome.initial_cost = GraphCost(graph);
+  SolveGraph(settings, &graph, &outcome);
+  outcome.final_cost = outcome.summary.final_cost;
+  if (FLAGS_certify) {
+    const double before = SecondsSinceStart();
+    outcome.certificate = Certify(Kept(graph, outcome.gnc));
+    outcome.seconds_certificate = SecondsSinceStart() - before;
+  }
+  // SE-Sync's F has no half.
+  if (settings.conversion.information == InformationUse::kIsotropic) {
+    outcome.initial_cost *= 2.0;
+    outcome.final_cost *= 2.0;
+  }
+  StorePoses(graph, file);
+  return outcome;
+}
+
+nlohmann::json ToJson(const Outcome& outcome, const G2oGraph& file, bool planar) {
+  nlohmann::json json = {{"poses", planar ? file.vertices2.size() : file.vertices3.size()},
+                         {"edges", planar ? file.edges2.size() : file.edges3.size()},
+                         {"dimension", planar ? 2 : 3},
+                         {"parts", outcome.parts},
+                         {"initial_cost", outcome.initial_cost},
+                         {"final_cost", outcome.final_cost},
+                         {"converged", outcome.summary.converged},
+                         {"iterations", outcome.summary.iterations},
+                         {"factorizations", outcome.summary.factorizations},
+                         {"seconds_init", outcome.seconds_start},
+                         {"seconds_solve", outcome.summary.seconds},
+                         {"unknown_tags", file.unknown}};
+  if (outcome.gnc) {
+    json["rounds"] = outcome.gnc->rounds;
+    json["loop_closures"] = outcome.robust;
+    json["rejected"] = outcome.rejected;
+  }
+  if (outcome.certificate) {
+    json["certified"] = outcome.certificate->certified;
+    json["suboptimality_bound"] = outcome.certificate->suboptimality_bound;
+    json["seconds_certificate"] = outcome.seconds_certificate;
+  }
+  return json;
+}
+
+void PrintSummary(const Outcome& outcome) {
+  std::printf("cost %.9g -> %.9g in %d iterations, %.3f s (start %.3f s)%s\n", outcome.initial_cost,
+              outcome.final_cost, outcome.summary.iterations, outcome.summary.seconds,
+              outcome.seconds_start, outcome.summary.converged ? "" : ", not converged");
+  if (outcome.gnc) {
+    std::printf("%zu of %zu loop closures rejected in %d rounds\n", outcome.rejected,
+                outcome.robust, outcome.gnc->rounds);
+  }
+  if (!outcome.certificate) return;
+  if (outcome.certificate->certified) {
+    std::printf("certified: no poses have a cost lower by more than %.3g (%.3f s)\n",
+                outcome.certificate->suboptimality_bound, outcome.seconds_certificate);
+  } else {
+    std::printf("not certified: the cost may be lower by up to %.6g\n",
+                outcome.certificate->suboptimality_bound);
+  }
+}
+
+int RunOptimize(const std::vector<std::string>& arguments) {
+  ExpectArguments(arguments, 1, 1);
+  RequireFlag("output");
+  const Settings settings = SettingsFromFlags();
+  G2oGraph file = ReadG2o(arguments[0]);
+  for (const auto& [tag, count] : file.unknown) {
+    LOG(WARNING) << arguments[0] << ": " << count << " lines of the unknown tag " << tag
+                 << " are passed over";
+  }
+  const bool planar = IsPlanar(file, arguments[0]);
+  const Outcome outcome = planar ? Optimize<2>(settings, arguments[0], &file)
+                                 : Optimize<3>(settings, arguments[0], &file);
+  WriteG2o(FLAGS_output, file);
+  if (WantsText()) PrintSummary(outcome);
+  EmitResult(ToJson(outcome, file, planar), false);
+  if (!outcome.summary.converged) throw NoResultError("the optimization did not converge");
+  if (outcome.certificate && !outcome.certificate->certified) {
+    throw NoResultError("the result is not certified as the global minimum");
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command OptimizeCommand() {
+  return {"optimize",
+          "GRAPH.g2o",
+          "a pose graph by itself: robust, certified",
+          {"output", "init", "information", "rotation_error", "loss", "certify"},
+          RunOptimize};
+}
+
+}  // namespace planegraph::tools
