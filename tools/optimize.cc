@@ -86,6 +86,7 @@ struct Outcome {
   PoseGraphSummary summary;
   std::optional<GncSummary> gnc;
   std::optional<Certificate> certificate;
+  int escapes = 0;
   double seconds_start = 0.0, seconds_certificate = 0.0;
   std::size_t rejected = 0, robust = 0, parts = 0;
 };
@@ -98,30 +99,40 @@ std::size_t CountParts(const PoseGraph<Dim>& graph) {
   return count;
 }
 
-// The edges that graduated non-convexity kept.
 template <int Dim>
-PoseGraph<Dim> Kept(const PoseGraph<Dim>& graph, const std::optional<GncSummary>& gnc) {
-  if (!gnc) return graph;
-  PoseGraph<Dim> kept = graph;
-  kept.edges.clear();
-  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    if (gnc->weights[k] >= 0.5) kept.edges.push_back(graph.edges[k]);
+void SolveRobustly(const GncOptions& options, PoseGraph<Dim>* graph, Outcome* outcome) {
+  outcome->gnc = OptimizeByGnc(graph, options);
+  outcome->summary = outcome->gnc->last;
+  outcome->summary.final_cost = outcome->gnc->robust_cost;
+  for (std::size_t k = 0; k < graph->edges.size(); ++k) {
+    outcome->robust += graph->edges[k].robust;
+    outcome->rejected += outcome->gnc->weights[k] < 0.5;
   }
-  return kept;
+}
+
+// With graduated non-convexity: of the edges that it kept.
+template <int Dim>
+void SolveCertified(PoseGraph<Dim>* graph, Outcome* outcome) {
+  PoseGraph<Dim> kept = *graph;
+  if (outcome->gnc) {
+    kept.edges.clear();
+    for (std::size_t k = 0; k < graph->edges.size(); ++k) {
+      if (outcome->gnc->weights[k] >= 0.5) kept.edges.push_back(graph->edges[k]);
+    }
+  }
+  const CertifiedSummary certified = OptimizeCertified(&kept);
+  graph->poses = kept.poses;
+  outcome->certificate = certified.certificate;
+  outcome->escapes = certified.escapes;
+  outcome->seconds_certificate = certified.seconds_certificate;
+  if (!outcome->gnc) outcome->summary = certified.optimization;
 }
 
 template <int Dim>
 void SolveGraph(const Settings& settings, PoseGraph<Dim>* graph, Outcome* outcome) {
-  if (settings.gnc) {
-    outcome->gnc = OptimizeByGnc(graph, *settings.gnc);
-    outcome->summary = outcome->gnc->last;
-    outcome->summary.final_cost = outcome->gnc->robust_cost;
-    for (std::size_t k = 0; k < graph->edges.size(); ++k) {
-      outcome->robust += graph->edges[k].robust;
-      outcome->rejected += outcome->gnc->weights[k] < 0.5;
-    }
-    return;
-  }
+  if (settings.gnc) SolveRobustly(*settings.gnc, graph, outcome);
+  if (FLAGS_certify) SolveCertified(graph, outcome);
+  if (settings.gnc || FLAGS_certify) return;
   PoseGraphOptions options;
   options.loss = settings.loss;
   outcome->summary = OptimizePoseGraph(graph, options);
@@ -138,11 +149,6 @@ Outcome Optimize(const Settings& settings, const std::string& path, G2oGraph* fi
   outcome.initial_cost = GraphCost(graph);
   SolveGraph(settings, &graph, &outcome);
   outcome.final_cost = outcome.summary.final_cost;
-  if (FLAGS_certify) {
-    const double before = SecondsSinceStart();
-    outcome.certificate = Certify(Kept(graph, outcome.gnc));
-    outcome.seconds_certificate = SecondsSinceStart() - before;
-  }
   // SE-Sync's F has no half.
   if (settings.conversion.information == InformationUse::kIsotropic) {
     outcome.initial_cost *= 2.0;
@@ -172,6 +178,7 @@ nlohmann::json ToJson(const Outcome& outcome, const G2oGraph& file, bool planar)
   }
   if (outcome.certificate) {
     json["certified"] = outcome.certificate->certified;
+    json["escapes"] = outcome.escapes;
     json["suboptimality_bound"] = outcome.certificate->suboptimality_bound;
     json["seconds_certificate"] = outcome.seconds_certificate;
   }
@@ -187,6 +194,7 @@ void PrintSummary(const Outcome& outcome) {
                 outcome.robust, outcome.gnc->rounds);
   }
   if (!outcome.certificate) return;
+  if (outcome.escapes > 0) std::printf("%d local minima left behind\n", outcome.escapes);
   if (outcome.certificate->certified) {
     std::printf("certified: no poses have a cost lower by more than %.3g (%.3f s)\n",
                 outcome.certificate->suboptimality_bound, outcome.seconds_certificate);

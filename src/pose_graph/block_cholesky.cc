@@ -1,36 +1,47 @@
 #include "pose_graph/block_cholesky.h"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
-// Of the OpenMP runtime that CHOLMOD brings along; absent where it was built without.
-extern "C" void omp_set_max_active_levels(int levels) __attribute__((weak));
-extern "C" int omp_get_max_active_levels() __attribute__((weak));
-
 namespace planegraph {
 namespace {
 
 // CHOLMOD opens a parallel region for every supernode; for the small ones of a pose graph waking
 // the threads takes longer than the work (measured on sphere2500: half of the time). One thread
-// also adds up in one order.
+// also adds up in one order. The OpenMP runtime is CHOLMOD's, not ours: it is asked for by name,
+// and where there is none nothing is to be done.
 class OneThread {
  public:
   OneThread() {
-    if (omp_get_max_active_levels == nullptr || omp_set_max_active_levels == nullptr) return;
-    levels_ = omp_get_max_active_levels();
-    omp_set_max_active_levels(0);
+    if (Get() == nullptr || Set() == nullptr) return;
+    levels_ = Get()();
+    Set()(0);
   }
   ~OneThread() {
-    if (levels_ >= 0) omp_set_max_active_levels(levels_);
+    if (levels_ >= 0) Set()(levels_);
   }
   OneThread(const OneThread&) = delete;
   OneThread& operator=(const OneThread&) = delete;
 
  private:
+  using Getter = int (*)();
+  using Setter = void (*)(int);
+  static Getter Get() {
+    static const auto get =
+        reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
+    return get;
+  }
+  static Setter Set() {
+    static const auto set =
+        reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+    return set;
+  }
+
   int levels_ = -1;
 };
 
@@ -173,7 +184,9 @@ BlockCholesky::BlockCholesky(const BlockPattern& pattern, int block_size)
   common->nmethods = 1;
   common->method[0].ordering = CHOLMOD_NATURAL;
   common->postorder = 0;  // the pattern's order is a postorder already
-  common->supernodal = CHOLMOD_SUPERNODAL;
+  // Supernodes where they pay; chains, as of a planar path, are faster without.
+  common->supernodal = CHOLMOD_AUTO;
+  common->final_ll = 1;  // L L^T in both cases: it fails where the matrix is not positive definite
   impl_->factor = cholmod_analyze(impl_->matrix, common);
   if (impl_->factor == nullptr) throw std::bad_alloc();
 }
@@ -181,6 +194,21 @@ BlockCholesky::BlockCholesky(const BlockPattern& pattern, int block_size)
 BlockCholesky::~BlockCholesky() = default;
 
 void BlockCholesky::SetZero() { std::fill(values_, values_ + offsets_.back(), 0.0); }
+
+BlockCholesky::Block BlockCholesky::BlockAt(int column, int index) {
+  const int height = static_cast<int>(pattern_.column(column).size()) * block_size_;
+  return {values_ + offsets_[column] + index * block_size_, block_size_, block_size_,
+          Eigen::OuterStride<>(height)};
+}
+
+void BlockCholesky::AddPairBlock(int pair, const Eigen::MatrixXd& block) {
+  const BlockPattern::Slot& slot = pattern_.slot(pair);
+  if (slot.first_is_column) {
+    BlockAt(slot.column, slot.index) += block.transpose();
+  } else {
+    BlockAt(slot.column, slot.index) += block;
+  }
+}
 
 bool BlockCholesky::Factorize() {
   const OneThread one_thread;
@@ -208,28 +236,6 @@ Eigen::MatrixXd BlockCholesky::Solve(const Eigen::MatrixXd& b) const {
         permuted.middleRows(pattern_.position(row) * block_size_, block_size_);
   }
   return x;
-}
-
-Eigen::MatrixXd BlockCholesky::Multiply(const Eigen::MatrixXd& b) const {
-  const int k = block_size_;
-  std::vector<int> row_at(pattern_.size());
-  for (int row = 0; row < pattern_.size(); ++row) row_at[pattern_.position(row)] = row;
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(b.rows(), b.cols());
-  for (int c = 0; c < pattern_.size(); ++c) {
-    const std::vector<int>& rows = pattern_.column(c);
-    const int height = static_cast<int>(rows.size()) * k;
-    for (std::size_t index = 0; index < rows.size(); ++index) {
-      const Block block(values_ + offsets_[c] + index * k, k, k, Eigen::OuterStride<>(height));
-      const int i = row_at[rows[index]] * k, j = row_at[c] * k;
-      if (i == j) {
-        product.middleRows(i, k) += block.selfadjointView<Eigen::Lower>() * b.middleRows(j, k);
-      } else {
-        product.middleRows(i, k) += block * b.middleRows(j, k);
-        product.middleRows(j, k) += block.transpose() * b.middleRows(i, k);
-      }
-    }
-  }
-  return product;
 }
 
 }  // namespace planegraph

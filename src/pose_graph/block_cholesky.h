@@ -62,12 +62,14 @@ class BlockCholesky {
       stored += block;
     }
   }
+  /// The same for block sizes that are known at run time alone.
+  Block DiagonalBlock(int row) { return BlockAt(pattern_.position(row), 0); }
+  void AddPairBlock(int pair, const Eigen::MatrixXd& block);
+
   /// False where the matrix is not (numerically) positive definite.
   bool Factorize();
   /// x of A x = b, for the last Factorize() that was true. Rows of b and x as the pattern's rows.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& b) const;
-  /// The matrix times b (of what was last assembled).
-  Eigen::MatrixXd Multiply(const Eigen::MatrixXd& b) const;
 
  private:
   template <int K>
@@ -76,6 +78,8 @@ class BlockCholesky {
     const int height = static_cast<int>(pattern_.column(column).size()) * block_size_;
     return Map(values_ + offsets_[column] + index * block_size_, Eigen::OuterStride<>(height));
   }
+
+  Block BlockAt(int column, int index);
 
   const BlockPattern& pattern_;
   int block_size_;

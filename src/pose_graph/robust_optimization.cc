@@ -1,7 +1,10 @@
 #include "planegraph/pose_graph/robust_optimization.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+
+#include "pose_graph/optimizer.h"
 
 namespace planegraph {
 namespace {
@@ -10,6 +13,9 @@ namespace {
 // 26.8).
 constexpr double kChi2Of3 = 11.345, kChi2Of6 = 16.812;
 
+// The rounds before the last one only have to sort the edges.
+constexpr double kRoundTolerance = 1e-4;
+
 template <int Dim>
 class GncRun {
  public:
@@ -17,21 +23,25 @@ class GncRun {
       : graph_(*graph),
         options_(options),
         scale_(options.scale > 0.0 ? options.scale : std::sqrt(Dim == 3 ? kChi2Of6 : kChi2Of3)),
-        schedule_(options.kernel, scale_) {
+        schedule_(options.kernel, scale_),
+        optimizer_((CheckIndices(*graph), graph), &solve_) {
     summary_.weights.assign(graph->edges.size(), 1.0);
   }
 
   GncSummary Run() {
-    Solve();
+    const auto start = std::chrono::steady_clock::now();
+    Solve(kRoundTolerance);
     schedule_.Start(RobustChi2());
     while (!schedule_.Finished() && summary_.rounds < options_.max_rounds) {
       SetWeights([this](double chi2) { return schedule_.Weight(chi2); });
-      Solve();
+      Solve(kRoundTolerance);
       schedule_.Advance(RobustChi2());
     }
     SetWeights([this](double chi2) { return schedule_.FinalWeight(chi2); });
-    Solve();
+    Solve(PoseGraphOptions().tolerance);
     summary_.robust_cost = RobustCost();
+    summary_.last.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return summary_;
   }
 
@@ -52,14 +62,13 @@ class GncRun {
     }
   }
 
-  void Solve() {
-    PoseGraphOptions options;
-    options.weights = summary_.weights;
+  void Solve(double tolerance) {
+    solve_.weights = summary_.weights;
+    solve_.tolerance = tolerance;
     const PoseGraphSummary before = summary_.last;
-    summary_.last = OptimizePoseGraph(&graph_, options);
+    summary_.last = optimizer_.Run();
     summary_.last.iterations += before.iterations;
     summary_.last.factorizations += before.factorizations;
-    summary_.last.seconds += before.seconds;
     ++summary_.rounds;
   }
 
@@ -83,6 +92,8 @@ class GncRun {
   const GncOptions& options_;
   double scale_;
   GncSchedule schedule_;
+  PoseGraphOptions solve_;
+  Optimizer<Dim> optimizer_;
   GncSummary summary_;
 };
 

@@ -13,6 +13,7 @@ struct PoseGraphOptions {
   /// step is taken, and what is left is of that fraction's square. Gauss-Newton steps, which
   /// converge linearly, have to fall below 1e-4 of this.
   double tolerance = 1e-7;
+  bool near_minimum = false;    ///< begin with Newton's step
   LossSpec loss;                ///< of the edges that are marked robust
   std::vector<double> weights;  ///< of each edge, from outside (graduated non-convexity); empty: 1
 };
