@@ -144,7 +144,8 @@ Outcome Optimize(const Settings& settings, const std::string& path, G2oGraph* fi
   Outcome outcome;
   outcome.parts = CountParts(graph);
   const double begin = SecondsSinceStart();
-  if (settings.chordal) InitializeChordal(&graph);
+  const bool robust = settings.gnc || settings.loss.name != "none";
+  if (settings.chordal) robust ? InitializeChordalFromTrusted(&graph) : InitializeChordal(&graph);
   outcome.seconds_start = SecondsSinceStart() - begin;
   outcome.initial_cost = GraphCost(graph);
   SolveGraph(settings, &graph, &outcome);

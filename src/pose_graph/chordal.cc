@@ -123,6 +123,18 @@ void InitializeChordal(PoseGraph<Dim>* graph) {
   SolveTranslations(pattern, held, weights, graph);
 }
 
+template <int Dim>
+void InitializeChordalFromTrusted(PoseGraph<Dim>* graph) {
+  PoseGraph<Dim> trusted = *graph;
+  std::erase_if(trusted.edges, [](const GraphEdge<Dim>& edge) { return edge.robust; });
+  const bool enough = ConnectedParts(trusted) == ConnectedParts(*graph);
+  if (!enough) return InitializeChordal(graph);
+  InitializeChordal(&trusted);
+  graph->poses = trusted.poses;
+}
+
+template void InitializeChordalFromTrusted<2>(PoseGraph2*);
+template void InitializeChordalFromTrusted<3>(PoseGraph3*);
 template void InitializeChordal<2>(PoseGraph2*);
 template void InitializeChordal<3>(PoseGraph3*);
 

@@ -23,6 +23,10 @@ inline constexpr double kNear = 1e-2;
 // What Gauss-Newton may leave behind, of the tolerance: about the square of it, as Newton does.
 inline constexpr double kGaussNewtonRest = 1e-4;
 
+// A gain of cost for each edge that moves nothing by a noticeable part of its sigma: edges without
+// contradiction have no cost to take a fraction of.
+inline constexpr double kNothing = 1e-16;
+
 /// The minimizer behind OptimizePoseGraph. It keeps the order of elimination from one run to the
 /// next, for those who change weights or poses and solve again.
 template <int Dim>
@@ -90,6 +94,7 @@ class Optimizer {
 
   // Newton's steps square what is left. Gauss-Newton's shrink it at a rate that the last two tell.
   bool Rests(bool newton, double promised, double cost) const {
+    if (promised <= kNothing * static_cast<double>(graph_.edges.size())) return true;
     if (newton) return promised <= options_.tolerance * cost;
     const double rate = last_promised_ > 0.0 ? std::min(1.0, promised / last_promised_) : 1.0;
     return promised * rate <= kGaussNewtonRest * options_.tolerance * cost;

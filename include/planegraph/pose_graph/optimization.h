@@ -41,6 +41,11 @@ PoseGraphSummary OptimizePoseGraph(PoseGraph<Dim>* graph, const PoseGraphOptions
 template <int Dim>
 void InitializeChordal(PoseGraph<Dim>* graph);
 
+/// The same from the edges that are not marked robust (odometry), where these alone tie the poses
+/// together as all edges do; else from all of them. One false loop closure bends a chordal start.
+template <int Dim>
+void InitializeChordalFromTrusted(PoseGraph<Dim>* graph);
+
 /// For each pose the index of the lowest pose that edges connect it with.
 template <int Dim>
 std::vector<int> ConnectedParts(const PoseGraph<Dim>& graph);

@@ -1,0 +1,105 @@
+// `planegraph optimize` on small graphs and on the graph of a run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/tool_runner.h"
+#include "io/test_files.h"
+
+namespace planegraph::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The upper triangle of the identity, row by row.
+const std::string kIdentity6 = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
+
+class OptimizeJob : public TestFolder {
+ protected:
+  // A square of four poses whose last edge contradicts the others by 0.4 m along x.
+  std::string Square() {
+    const std::string path = Path("square.g2o");
+    std::ofstream(path) << "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\n"
+                        << "VERTEX_SE3:QUAT 2 1 1 0 0 0 0 1\nVERTEX_SE3:QUAT 3 0 1 0 0 0 0 1\n"
+                        << "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1" << kIdentity6 << "\n"
+                        << "EDGE_SE3:QUAT 1 2 0 1 0 0 0 0 1" << kIdentity6 << "\n"
+                        << "EDGE_SE3:QUAT 2 3 -1 0 0 0 0 0 1" << kIdentity6 << "\n"
+                        << "EDGE_SE3:QUAT 3 0 0.4 -1 0 0 0 0 1" << kIdentity6 << "\n";
+    return path;
+  }
+  // All numbers of the vertices.
+  static std::vector<double> Vertices(const std::string& path) {
+    std::vector<double> numbers;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+      std::istringstream words(line);
+      std::string tag;
+      words >> tag;
+      if (tag.rfind("VERTEX", 0) != 0) continue;
+      for (double number = 0.0; words >> number;) numbers.push_back(number);
+    }
+    return numbers;
+  }
+};
+
+// Rotations stay, as nothing but the translations contradict; 0.4 m over four equal edges is 0.1 m
+// each, F = sum tau |r|^2 = 4 * 0.01 with tau = 1, and 0.5 * that by the file's information.
+TEST_F(OptimizeJob, SharesAContradictionAndCertifiesIt) {
+  const std::string graph = Square();
+  Outcome run = RunTool("optimize --json " + graph + " --output=" + Path("a.g2o"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(nlohmann::json::parse(run.out)["final_cost"].get<double>(), 0.5 * 0.04 + 1e-12);
+  run = RunTool("optimize --json --information=isotropic --certify " + graph +
+                " --output=" + Path("b.g2o"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_TRUE(json["certified"].get<bool>());
+  EXPECT_LE(json["final_cost"].get<double>(), 0.04 + 1e-12);
+  EXPECT_LE(json["suboptimality_bound"].get<double>(), 1e-6 * json["final_cost"].get<double>());
+}
+
+TEST_F(OptimizeJob, SaysWhatIsWrong) {
+  const std::string graph = Square();
+  EXPECT_EQ(RunTool("optimize " + graph).exit_code, 1);
+  const std::string output = " --output=" + Path("out.g2o");
+  EXPECT_EQ(RunTool("optimize --certify " + graph + output).exit_code, 1);
+  EXPECT_EQ(RunTool("optimize --init=zero " + graph + output).exit_code, 1);
+  EXPECT_EQ(RunTool("optimize --loss=cubic " + graph + output).exit_code, 1);
+  std::ofstream(Path("bad.g2o"))
+      << "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 5 0 1 0 1\n";
+  const Outcome run = RunTool("optimize " + Path("bad.g2o") + output);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err,
+              HasSubstr("1 of 1 information matrices are indefinite, the first of edge 0-1"));
+  EXPECT_FALSE(std::filesystem::exists(Path("out.g2o")));
+  EXPECT_EQ(RunTool("optimize --information=nearest " + Path("bad.g2o") + output).exit_code, 0);
+}
+
+// The half-angle convention of graph.g2o: its poses are the optimum of its edges.
+TEST_F(OptimizeJob, KeepsTheOptimumOfARun) {
+  const std::string site = Path("corridor");
+  ASSERT_EQ(RunTool("simulate --quiet --scene=corridor --scan_count=8 --beams=271 --sweeps=90 "
+                    "--output_dir=" +
+                    site)
+                .exit_code,
+            0);
+  const Outcome map = RunTool("map --quiet " + site + "/site.yaml --output_dir=" + Path("out"));
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  for (const std::string init : {"given", "chordal"}) {
+    const Outcome run = RunTool("optimize --init=" + init + " " + Path("out") +
+                                "/graph.g2o --output=" + Path("again.g2o"));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const std::vector<double> before = Vertices(Path("out") + "/graph.g2o");
+    const std::vector<double> after = Vertices(Path("again.g2o"));
+    ASSERT_EQ(before.size(), after.size());
+    ASSERT_EQ(before.size(), 8u * 8u);
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(before[i], after[i], 1e-6) << init;
+  }
+}
+
+}  // namespace
+}  // namespace planegraph::cli
