@@ -1,0 +1,44 @@
+# Every pair of the sets by itself, without a guess (docs/registration.md).
+TABLES += ["registration", "closures", "segmentation"]
+DOCS.add("registration")
+PAIRS = config["registration"]["inputs"]
+PAIRS_ABSENT = why_absent(PAIRS)
+
+rule pairs_hash:
+    input: files(PAIRS)
+    output: "hashes/pairs.txt"
+    shell: "cat {input:q} | sha256sum | cut -c1-64 > {output}"
+
+# Exit code 1: a pair counts as wrong; the table says so.
+rule registration_table:
+    input: [] if PAIRS_ABSENT else [*files(PAIRS), "hashes/pairs.txt"]
+    output: pairs=table("registration"), closures=table("closures")
+    params:
+        absent=PAIRS_ABSENT, data=DATA, register_table=program("register_table"), tool=hash_of(program("register_table")),
+        conventions="Poses take points of the first scan to the second; errors in the second's axes.",
+    shell:
+        """
+        if [ -n {params.absent:q} ]; then
+          printf '*skipped: %s*\\n' {params.absent:q} | tee {output.pairs} > {output.closures}; exit
+        fi
+        {params.register_table} {params.data:q} > {output.pairs}.all || [ $? -eq 1 ]
+        sed '/^| run /,$d' {output.pairs}.all > {output.pairs}
+        sed -n '/^| run /,$p' {output.pairs}.all > {output.closures}
+        rm {output.pairs}.all
+        for file in {output}; do
+          bash {FOOTER} {VERSION:q} {params.conventions:q} hashes/pairs.txt >> $file
+        done
+        """
+
+# Against PCL's region growing, where the build has PCL.
+rule segmentation_table:
+    output: table("segmentation")
+    params:
+        program=program("segmentation_vs_pcl"), tool=hash_of(program("segmentation_vs_pcl")),
+        conventions="Four simulated scans, two yards and two halls; planes of at least 100 points, a true and a found one match "
+        "where the intersection over union of their points is at least one half; PCL with 30 neighbours, 3 deg.",
+    shell:
+        """
+        if [ -z {params.program:q} ]; then echo '*skipped: the build has no PCL*' > {output}; exit; fi
+        {{ {params.program}; bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}
+        """
