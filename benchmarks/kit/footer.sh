@@ -8,5 +8,5 @@ inputs=
 for file in "$@"; do
   inputs+="${inputs:+, }$(basename "$file" .txt) $(cut -c1-12 "$file")"
 done
-printf '\n*%s, %s cores (%s).%s %s*\n' "$version" "$(nproc)" "${processor:-unknown}" \
+printf '\n*%s, %s cores (%s).%s %s*\n' "$version" "$(getconf _NPROCESSORS_ONLN)" "${processor:-unknown}" \
   "${inputs:+ Input, first digits of SHA-256: $inputs.}" "$conventions"

@@ -12,23 +12,43 @@ rule located_hash:
     shell: "cat {input:q} | sha256sum | cut -c1-64 > {output}"
 
 # Exit code 1 of locate_table: a scan was found in a wrong place; the table says so.
-rule localization_site:
-    input: [] if LOCATED_ABSENT else [*files(LOCATED_FILES), "hashes/located-site.txt"]
-    output: table("localization-site")
-    params:
-        absent=LOCATED_ABSENT, site=LOCATED["site"], data=DATA,
-        locate_table=program("locate_table"), tool=hash_of(program("locate_table")),
-        conventions="CPU seconds on one thread.",
+LOOK = """
+        out=$(realpath -m {output})
+        (cd {params.folder:q} && {params.locate_table} {params.sites}) > $out.new || [ $? -eq 1 ]
+        sed '1,/^###/{{/^###/!d}}' $out.new > $out
+        rm $out.new
+        """
+LOCATE_TABLE = program("locate_table")
+
+rule locate_in_site:
+    input: files(LOCATED_FILES)
+    output: "located/site.md"
+    params: folder=DATA, sites=LOCATED["site"], locate_table=LOCATE_TABLE, tool=hash_of(LOCATE_TABLE)
     threads: config["threads"]
+    shell: LOOK
+
+rule locate_in_simulated:
+    input: [f"located/{site}/site.yaml" for site in LOCATED_SITES]
+    output: "located/simulated.md"
+    params: folder="located", sites=LOCATED_SITES, locate_table=LOCATE_TABLE, tool=hash_of(LOCATE_TABLE)
+    threads: config["threads"]
+    shell: LOOK
+
+rule localization_site:
+    input: [] if LOCATED_ABSENT else ["located/site.md", "hashes/located-site.txt"]
+    output: table("localization-site")
+    params: absent=LOCATED_ABSENT, conventions="CPU seconds on one thread."
     shell:
         """
-        if [ -n {params.absent:q} ]; then printf '*skipped: %s*\\n' {params.absent:q} > {output}; exit; fi
-        out=$(realpath -m {output})
-        (cd {params.data:q} && {params.locate_table} {params.site}) > $out.all || [ $? -eq 1 ]
-        sed '1,/^###/{{/^###/!d}}' $out.all > $out
-        rm $out.all
-        bash {FOOTER} {VERSION:q} {params.conventions:q} hashes/located-site.txt >> $out
+        if [ -n "{params.absent}" ]; then printf '*skipped: %s*\\n' {params.absent:q} > {output}; exit; fi
+        {{ cat located/site.md; bash {FOOTER} {VERSION:q} {params.conventions:q} hashes/located-site.txt; }} > {output}
         """
+
+rule localization_simulated:
+    input: "located/simulated.md"
+    output: table("localization-simulated")
+    params: conventions="CPU seconds on one thread."
+    shell: "{{ cat {input}; bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}"
 
 rule simulate_located:
     output: "located/{scene}-{seed}/site.yaml"
@@ -36,19 +56,3 @@ rule simulate_located:
     shell:
         "{PLANEGRAPH} simulate --scene={wildcards.scene} --seed={wildcards.seed} "
         "--output_dir=located/{wildcards.scene}-{wildcards.seed} --quiet"
-
-rule localization_simulated:
-    input: [f"located/{site}/site.yaml" for site in LOCATED_SITES]
-    output: table("localization-simulated")
-    params:
-        sites=LOCATED_SITES, locate_table=program("locate_table"), tool=hash_of(program("locate_table")),
-        conventions="CPU seconds on one thread.",
-    threads: config["threads"]
-    shell:
-        """
-        out=$(realpath -m {output})
-        (cd located && {params.locate_table} {params.sites}) > $out.all || [ $? -eq 1 ]
-        sed '1,/^###/{{/^###/!d}}' $out.all > $out
-        rm $out.all
-        bash {FOOTER} {VERSION:q} {params.conventions:q} >> $out
-        """

@@ -18,7 +18,7 @@ rule paper_tables:
         conventions="Times are wall-clock seconds on one thread, the least of 5 runs.",
     shell:
         """
-        if [ -n {params.absent:q} ]; then printf '*skipped: %s*\\n' {params.absent:q} > {output}; exit; fi
+        if [ -n "{params.absent}" ]; then printf '*skipped: %s*\\n' {params.absent:q} > {output}; exit; fi
         {{ {params.paper_tables} {params.site:q} | sed '1{{/^$/d}}'
            bash {FOOTER} {VERSION:q} {params.conventions:q} hashes/paper-site.txt; }} > {output}
         """

@@ -18,7 +18,7 @@ rule registration_table:
         conventions="Poses take points of the first scan to the second; errors in the second's axes.",
     shell:
         """
-        if [ -n {params.absent:q} ]; then
+        if [ -n "{params.absent}" ]; then
           printf '*skipped: %s*\\n' {params.absent:q} | tee {output.pairs} > {output.closures}; exit
         fi
         {params.register_table} {params.data:q} > {output.pairs}.all || [ $? -eq 1 ]
@@ -39,6 +39,6 @@ rule segmentation_table:
         "where the intersection over union of their points is at least one half; PCL with 30 neighbours, 3 deg.",
     shell:
         """
-        if [ -z {params.program:q} ]; then echo '*skipped: the build has no PCL*' > {output}; exit; fi
+        if [ -z "{params.program}" ]; then echo '*skipped: the build has no PCL*' > {output}; exit; fi
         {{ {params.program}; bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}
         """

@@ -56,7 +56,9 @@ code { print; next }
   sub(/^#+ /, "", heading)
   level = $0
   sub(/ .*/, "", level)
-  print with_links($0) " {#" name_of(level, slug_of(heading)) "}"
+  text = with_links($0)
+  gsub(/`/, "", text)  # Doxygen shows marks of code in headings as they are
+  print text " {#" name_of(level, slug_of(heading)) "}"
   next
 }
 { print with_links($0) }
