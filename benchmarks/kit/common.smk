@@ -72,6 +72,11 @@ def why_absent(patterns):
     return "not in the data folder: " + ", ".join(missing) if missing else ""
 
 
+def lacks(name):
+    """Why a table is skipped whose program was not built; empty where it was."""
+    return "" if program(name) else f"the build has no {name} (-DPLANEGRAPH_BUILD_BENCHMARKS=ON)"
+
+
 def table(name):
     return f"tables/{name}.md"
 

@@ -3,7 +3,7 @@ TABLES += ["paper", "paper-localization"]
 DOCS.add("paper_tables")
 PAPER = config["paper"]
 PAPER_FILES = [PAPER["site"], *PAPER["inputs"]]
-PAPER_ABSENT = why_absent(PAPER_FILES)
+PAPER_ABSENT = why_absent(PAPER_FILES) or lacks("paper_tables")
 
 rule paper_hash:
     input: files(PAPER_FILES)
@@ -37,5 +37,5 @@ rule paper_localization:
           alone && $2 ~ "^sortie1/" {{
             print "| " $2 " | " $3 " | " $4 " | " $5 " | " $6 " | *" (n++ < 5 ? "located" : "too little overlap") "* |" }}
         ' {input} > {output}
-        tail -1 {input} >> {output}
+        {{ echo; tail -1 {input}; }} >> {output}
         """

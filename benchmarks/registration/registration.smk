@@ -2,7 +2,7 @@
 TABLES += ["registration", "closures", "segmentation"]
 DOCS.add("registration")
 PAIRS = config["registration"]["inputs"]
-PAIRS_ABSENT = why_absent(PAIRS)
+PAIRS_ABSENT = why_absent(PAIRS) or lacks("register_table")
 
 rule pairs_hash:
     input: files(PAIRS)
