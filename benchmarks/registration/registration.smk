@@ -42,3 +42,43 @@ rule segmentation_table:
         if [ -z "{params.program}" ]; then echo '*skipped: the build has no PCL*' > {output}; exit; fi
         {{ {params.program}; bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}
         """
+
+# Times of the search for correspondences, ours and Xiao's on the same planes.
+TABLES.append("matching")
+
+rule matching_table:
+    output: table("matching")
+    params:
+        program=program("matching_benchmark"), tool=hash_of(program("matching_benchmark")), absent=lacks("matching_benchmark"),
+        conventions="CPU milliseconds on one thread, means of Google Benchmark, on two simulated pairs of scans: the 30 largest planes of each "
+        "(where it has so many), and all of them; in parentheses how many take part, source x target.",
+    shell:
+        """
+        if [ -n "{params.absent}" ]; then printf '*skipped: %s*\\n' {params.absent:q} > {output}; exit; fi
+        {params.program} --benchmark_format=json > {output}.json 2>/dev/null
+        {{ awk -F '[:,"/ ]+' '
+             /"name": "[A-Z]/ {{ if (!($3 in seen)) {{ order[++names] = $3; seen[$3] = 1 }} key = $3 " " $5 " " $7 }}
+             /"cpu_time"/ {{ split($0, part, ": *"); time[key] = part[2] + 0 }}
+             /"source_planes"/ {{ split($0, part, ": *"); source[key] = part[2] + 0 }}
+             /"target_planes"/ {{ split($0, part, ": *"); target[key] = part[2] + 0 }}
+             END {{
+               text["MakeScanModel"] = "ours: a scan prepared"
+               text["MatchWithoutGuess"] = "ours: hypotheses, verified (`FindHypotheses`)"
+               text["RegisterWithoutGuess"] = "ours: and all of them refined, with the decision (`Register`)"
+               text["RegisterByXiao"] = "Xiao, planes of 2 m^2 and more"
+               text["RegisterByXiaoWithAllPlanes"] = "Xiao, all planes"
+               print "| | hall, 30 planes | yard, 30 planes | hall, all planes | yard, all planes |"
+               print "|---|---|---|---|---|"
+               for (n = 1; n <= names; ++n) {{
+                 line = "| " text[order[n]] " |"
+                 for (k = 0; k < 4; ++k) {{
+                   key = order[n] " " k % 2 " " (k < 2 ? 30 : 1000)
+                   planes = key in source ? sprintf(" (%d x %d)", source[key], target[key]) : ""
+                   line = line sprintf(" %.1f%s |", time[key], planes)
+                 }}
+                 print line
+               }}
+             }}' {output}.json
+           bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}
+        rm {output}.json
+        """
