@@ -4,7 +4,9 @@
 // by dots; a number is a place in an array), decimals, factor. LABELS are the headings of the
 // labels, parted by `|`. A ROW is `LABEL=FOLDER[,FOLDER...]`, `LABEL=!REASON` for what was skipped,
 // or `LABEL=|CELL|CELL...` for figures from elsewhere; a label has as many parts as LABELS.
-// Several values, of an array or of several folders, are shown as `median [least to greatest]`.
+// Several values, of an array or of several folders, are shown as `median [least to greatest]`. A
+// heading that starts with `?` is that of an interval of two numbers, shown as `low to high`; the
+// column is left out where no row has one.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +22,8 @@ namespace planegraph {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kNone = "&ndash;";
 
 struct Column {
   std::string heading, file, key;
@@ -82,6 +86,16 @@ std::string Number(double value, const Column& column) {
   return text;
 }
 
+bool IsInterval(const Column& column) { return column.heading[0] == '?'; }
+
+// The interval at the column's key; empty where there is none, or not one alone.
+std::string Interval(const Column& column, const std::vector<std::string>& folders) {
+  const json value = ValueAt(ReadJson(folders[0] + "/" + column.file), column.key);
+  const bool known = folders.size() == 1 && value.is_array() && value.size() == 2 &&
+                     value[0].is_number() && value[1].is_number();
+  return known ? Number(value[0], column) + " to " + Number(value[1], column) : "";
+}
+
 std::string Spread(std::vector<double> values, const Column& column) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
@@ -95,6 +109,10 @@ std::string Spread(std::vector<double> values, const Column& column) {
 std::string Cell(const Column& column, const std::vector<std::string>& folders) {
   std::vector<double> numbers;
   std::string text;
+  if (IsInterval(column)) {
+    text = Interval(column, folders);
+    return text.empty() ? kNone : text;
+  }
   for (const std::string& folder : folders) {
     json value = ValueAt(ReadJson(folder + "/" + column.file), column.key);
     if (!value.is_array()) value = json::array({value});
@@ -105,7 +123,7 @@ std::string Cell(const Column& column, const std::vector<std::string>& folders) 
     }
   }
   if (!numbers.empty()) return Spread(numbers, column);
-  return text.empty() ? "&ndash;" : text;
+  return text.empty() ? kNone : text;
 }
 
 std::vector<std::string> Cells(const std::string& content, const std::vector<Column>& columns) {
@@ -126,25 +144,46 @@ void PrintLine(const std::vector<std::string>& labels, const std::vector<std::st
   std::printf("\n");
 }
 
-void PrintRow(const std::string& row, const std::vector<Column>& columns) {
+// The content of a row, behind its label. Throws UsageError.
+std::size_t ContentOf(const std::string& row) {
   const std::size_t equals = row.find('=');
   if (equals == std::string::npos || equals + 1 == row.size()) {
     throw UsageError("a row is LABEL=FOLDER, LABEL=!REASON or LABEL=|CELL|CELL, not " + row);
   }
-  PrintLine(Split(row.substr(0, equals), '|'), Cells(row.substr(equals + 1), columns));
+  return equals + 1;
 }
+
+void PrintRow(const std::string& row, const std::vector<Column>& columns) {
+  const std::size_t content = ContentOf(row);
+  PrintLine(Split(row.substr(0, content - 1), '|'), Cells(row.substr(content), columns));
+}
+
+// The columns without the intervals that no row has, and without the marks of the others.
+std::vector<Column> UsedColumns(std::vector<Column> columns, const std::vector<std::string>& rows) {
+  std::erase_if(columns, [&](const Column& column) {
+    return IsInterval(column) && std::all_of(rows.begin(), rows.end(), [&](const auto& row) {
+             const std::string content = row.substr(ContentOf(row));
+             return content[0] == '!' || content[0] == '|' ||
+                    Interval(column, Split(content, ',')).empty();
+           });
+  });
+  return columns;
+}
+
+std::string Heading(const Column& column) { return column.heading.substr(IsInterval(column)); }
 
 int Run(const std::vector<std::string>& arguments) {
   if (arguments.size() < 3) throw UsageError("json_table COLUMNS LABELS ROW...");
-  const auto columns = ReadColumns(arguments[0]);
+  const std::vector<std::string> rows(arguments.begin() + 2, arguments.end());
+  const auto columns = UsedColumns(ReadColumns(arguments[0]), rows);
   std::vector<std::string> headings;
-  for (const Column& column : columns) headings.push_back(column.heading);
+  for (const Column& column : columns) headings.push_back(Heading(column));
   const auto labels = Split(arguments[1], '|');
   PrintLine(labels, headings);
   std::printf("|");
   for (std::size_t k = 0; k < labels.size() + columns.size(); ++k) std::printf("---|");
   std::printf("\n");
-  for (std::size_t k = 2; k < arguments.size(); ++k) PrintRow(arguments[k], columns);
+  for (const std::string& row : rows) PrintRow(row, columns);
   return 0;
 }
 

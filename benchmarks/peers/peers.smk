@@ -24,7 +24,7 @@ def peer_rows():
 rule peers_mapping:
     input:
         measures=[path for name in present(PEER_SETS) for configuration in [START, "graph"] for path in measured(name, configuration)],
-        hashes=hashes(PEER_SETS), columns=columns("laser/laser.tsv"),
+        hashes=hashes(PEER_SETS), columns=columns("peers/mapping_columns.tsv"),
     output: table("peers-mapping")
     params:
         rows=peer_rows(), tool=JSON_TABLE_HASH,

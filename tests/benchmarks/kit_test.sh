@@ -12,17 +12,17 @@ fail() { echo "failed: $*" >&2; exit 1; }
 
 # json_table by itself: medians and spreads, missing values, fixed cells, skipped rows.
 mkdir -p "$work/table/a" "$work/table/b"
-printf 'error\tx.json\tate.values\t1\t1000\nname\tx.json\tname\t0\t1\n' > "$work/table/columns.tsv"
-echo '{"ate": {"values": [0.003, 0.001, 0.002]}, "name": "first"}' > "$work/table/a/x.json"
+printf 'error\tx.json\tate.values\t1\t1000\nname\tx.json\tname\t0\t1\n?95 %%\tx.json\tci\t2\t1\n?none\tx.json\tnone\t2\t1\n' > "$work/table/columns.tsv"
+echo '{"ate": {"values": [0.003, 0.001, 0.002]}, "name": "first", "ci": [1, 2]}' > "$work/table/a/x.json"
 echo '{"ate": {"values": 0.009}}' > "$work/table/b/x.json"
 got=$("$build/benchmarks/kit/json_table" "$work/table/columns.tsv" 'set|by' "one|ours=$work/table/a" "|both=$work/table/a,$work/table/b" \
   'two|peer=|7.5|x' 'three|=!not there')
-want='| set | by | error | name |
-|---|---|---|---|
-| one | ours | 2.0 [1.0 to 3.0] | first |
-|  | both | 2.5 [1.0 to 9.0] | first |
-| two | peer | 7.5 | x |
-| three | *skipped: not there* |  |'
+want='| set | by | error | name | 95 % |
+|---|---|---|---|---|
+| one | ours | 2.0 [1.0 to 3.0] | first | 1.00 to 2.00 |
+|  | both | 2.5 [1.0 to 9.0] | first | &ndash; |
+| two | peer | 7.5 | x |  |
+| three | *skipped: not there* |  |  |'
 [ "$got" = "$want" ] || fail "json_table printed
 $got"
 
