@@ -109,10 +109,8 @@ std::string DescribeClosures(const std::string& name, const std::vector<PlaneSet
   if (worst.empty()) return "";
   std::sort(worst.begin(), worst.end());
   char text[200];
-  std::snprintf(text, sizeof(text),
-                "%s: %zu closures of three scans, worst component in sigmas: median %.1f, "
-                "largest %.1f\n",
-                name.c_str(), worst.size(), worst[worst.size() / 2], worst.back());
+  std::snprintf(text, sizeof(text), "| %s | %zu | %.1f | %.1f |\n", name.c_str(), worst.size(),
+                worst[worst.size() / 2], worst.back());
   return text;
 }
 
@@ -170,7 +168,8 @@ int Run(const std::string& data) {
   std::printf(
       "\n%d of %d pairs ok (%.0f %%), %d of them wrong; %d within 3 sigma in each component\n",
       tally.ok, tally.pairs, 100.0 * tally.ok / tally.pairs, tally.wrong, tally.inside);
-  std::printf("\n%s", tally.closures.c_str());
+  std::printf("\n| run | closures | median | largest |\n|---|---|---|---|\n%s",
+              tally.closures.c_str());
   return tally.wrong == 0 ? 0 : 1;
 }
 

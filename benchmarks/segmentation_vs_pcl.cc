@@ -12,6 +12,7 @@
 #include <ctime>
 #include <map>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "planegraph/segmentation/segmenter.h"
@@ -80,12 +81,10 @@ struct Score {
     }
   }
   double F1() const { return 2.0 * matched / std::max(1, truth + found); }
-  void Print(const char* name) const {
-    std::printf(
-        "  %-10s %7.3f CPU s, %3d planes, %3d of %3d true ones found, precision %.3f, recall "
-        "%.3f, F1 %.3f\n",
-        name, seconds, found, matched, truth, double(matched) / std::max(1, found),
-        double(matched) / std::max(1, truth), F1());
+  void Print(const std::string& cloud, const char* name) const {
+    std::printf("| %s | %s | %.3f | %d | %.2f | %.2f | %.2f |\n", cloud.c_str(), name, seconds,
+                found, double(matched) / std::max(1, found), double(matched) / std::max(1, truth),
+                F1());
   }
 };
 
@@ -109,10 +108,10 @@ void Compare(SceneKind kind, std::uint64_t seed, Score* total_ours, Score* total
   const std::vector<int> labels = SegmentByPcl(scan.cloud);
   pcl.seconds = CpuSeconds() - start_pcl;
   pcl.Add(scan.labels, labels);
-  std::printf("%s, seed %d: %zu points\n", SceneName(kind).c_str(), static_cast<int>(seed),
-              scan.cloud.size());
-  ours.Print("ours");
-  pcl.Print("PCL");
+  const std::string cloud = SceneName(kind) + ", seed " + std::to_string(seed) + ", " +
+                            std::to_string(scan.cloud.size()) + " points";
+  ours.Print(cloud, "ours");
+  pcl.Print("", "PCL");
   for (const auto& [part, total] : {std::pair(ours, total_ours), std::pair(pcl, total_pcl)}) {
     total->truth += part.truth, total->found += part.found, total->matched += part.matched;
     total->seconds += part.seconds;
@@ -125,12 +124,13 @@ void Compare(SceneKind kind, std::uint64_t seed, Score* total_ours, Score* total
 int main() {
   using namespace planegraph;
   Score ours, pcl;
+  std::puts(
+      "| scan | by | CPU s | planes | precision | recall | F1 |\n|---|---|---|---|---|---|---|");
   for (const SceneKind kind : {SceneKind::kYard, SceneKind::kHall}) {
     for (std::uint64_t seed = 0; seed < 2; ++seed) Compare(kind, seed, &ours, &pcl);
   }
-  std::puts("together");
-  ours.Print("ours");
-  pcl.Print("PCL");
-  std::printf("ratio of CPU times: %.0f\n", pcl.seconds / ours.seconds);
+  ours.Print("together", "ours");
+  pcl.Print("", "PCL");
+  std::printf("\nRatio of CPU times: %.0f\n", pcl.seconds / ours.seconds);
   return 0;
 }

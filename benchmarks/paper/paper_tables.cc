@@ -1,4 +1,5 @@
 // paper_tables SITE.yaml: the tables of the paper for a site, as Markdown (docs/paper_tables.md).
+// Times are wall-clock seconds on one thread, the least of some runs.
 #include <cstdio>
 #include <numbers>
 #include <string>
@@ -16,19 +17,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kRuns = 5;
-
-void PrintHead(const std::string& site) {
-  std::printf(
-      "# The paper's tables\n\nMade by\n\n```sh\npaper_tables %s\n```\n\n(built with "
-      "`-DPLANEGRAPH_BUILD_BENCHMARKS=ON`). Times are wall-clock seconds on one thread, the least "
-      "of "
-      "%d runs. Columns\nmarked *paper* are the figures of Surmann, Berninger and Worst, row by "
-      "row: "
-      "another site, another scanner, another machine. They\nsay in which range such figures lie "
-      "and "
-      "are no comparison.\n",
-      site.c_str(), kRuns);
-}
 
 void PrintScans(const MapResult& result) {
   std::puts(
@@ -181,7 +169,6 @@ void PrintTrajectories(const Site& site, const MapResult& with_map) {
 int Run(const std::string& path) {
   const Site site = ReadSite(path);
   const MapResult result = MapTimed(site, "graph", kRuns);
-  PrintHead(path);
   PrintScans(result);
   PrintPairs(result);
   if (!result.maps.empty()) PrintSections(result), PrintMapPairs(result);

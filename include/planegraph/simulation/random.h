@@ -6,7 +6,7 @@
 namespace planegraph {
 
 /// Random numbers that are the same everywhere: std::mt19937_64 is fixed by the C++ standard, and
-/// the transforms are our own, since those of <random> differ between standard libraries. Each part
+/// the transforms are our own, since those of `random` differ between standard libraries. Each part
 /// of a simulation draws from a stream of its own, so that no part changes the numbers of another
 /// one and the work can be shared among threads. Draw once per statement, or in braces: C++ leaves
 /// the order of operands and of a call's arguments to the compiler.
