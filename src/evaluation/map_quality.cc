@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "evaluation/local_plane.h"
@@ -18,10 +19,11 @@ namespace {
 constexpr double kLeastVariance = 1e-12;
 // Points per chunk. Sums are taken per chunk and then in order, so threads do not change them.
 constexpr std::size_t kChunk = 4096;
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 struct ChunkSums {
   double entropy = 0.0, plane_variance = 0.0;
-  std::size_t evaluated = 0, used = 0;
+  std::size_t evaluated = 0, used = 0, mpv_failed = 0;
   std::vector<float> thickness;
 };
 
@@ -38,9 +40,11 @@ std::vector<std::size_t> ChunkBounds(const RadiusGrid& grid) {
 
 class Evaluator {
  public:
-  Evaluator(const RadiusGrid& grid, const MapQualityOptions& options)
+  // `values`: null, or one per point of the cloud.
+  Evaluator(const RadiusGrid& grid, const MapQualityOptions& options, PointQuality* values)
       : grid_(grid),
         options_(options),
+        values_(values),
         variance_(grid, options.seed, options.mode == MapQualityMode::kTool) {}
 
   ChunkSums Run(std::size_t first, std::size_t last) {
@@ -67,15 +71,28 @@ class Evaluator {
     const double smallest = ComputePrincipalAxes(covariance).values[0];
     const double determinant = covariance.determinant();
     if (tool ? !(determinant > 0.0) : !(smallest > kLeastVariance)) return;
-    ++sums_.used;
     const double scale = 2.0 * std::numbers::pi * std::numbers::e;
-    sums_.entropy += 0.5 * std::log(scale * scale * scale * determinant);
-    sums_.thickness.push_back(static_cast<float>(std::sqrt(smallest)));
-    if (options_.plane_variance) sums_.plane_variance += std::max(0.0, variance_(neighbourhood_));
+    const double entropy = 0.5 * std::log(scale * scale * scale * determinant);
+    const double variance = options_.plane_variance ? variance_(neighbourhood_) : 0.0;
+    Add(entropy, variance, std::sqrt(smallest));
+  }
+
+  // `variance`: negative where no plane was found.
+  void Add(double entropy, double variance, double thickness) {
+    ++sums_.used;
+    sums_.entropy += entropy;
+    sums_.thickness.push_back(static_cast<float>(thickness));
+    sums_.plane_variance += std::max(0.0, variance);
+    sums_.mpv_failed += variance < 0.0 ? 1 : 0;
+    if (!values_) return;
+    values_[neighbourhood_.index] = {static_cast<float>(entropy),
+                                     variance < 0.0 ? kNothing : static_cast<float>(variance),
+                                     static_cast<float>(thickness)};
   }
 
   const RadiusGrid& grid_;
   const MapQualityOptions& options_;
+  PointQuality* values_;
   PlaneVariance variance_;
   Neighbourhood neighbourhood_;
   ChunkSums sums_;
@@ -98,6 +115,7 @@ MapQuality Combine(const std::vector<ChunkSums>& chunks, std::size_t points,
     result.mpv += chunk.plane_variance;
     result.evaluated += chunk.evaluated;
     result.used += chunk.used;
+    result.mpv_failed += chunk.mpv_failed;
     for (float t : chunk.thickness) result.thickness_mean += t;
     thickness.insert(thickness.end(), chunk.thickness.begin(), chunk.thickness.end());
   }
@@ -108,8 +126,9 @@ MapQuality Combine(const std::vector<ChunkSums>& chunks, std::size_t points,
   const bool tool = options.mode == MapQualityMode::kTool;
   const std::size_t tool_count = std::max<std::size_t>(1, points / options.every);
   const auto divisor = static_cast<double>(tool ? tool_count : result.used);
+  const std::size_t planes = result.used - result.mpv_failed;
   result.mme /= divisor;
-  result.mpv /= divisor;
+  result.mpv /= tool ? divisor : static_cast<double>(std::max<std::size_t>(1, planes));
   result.thickness_mean /= static_cast<double>(result.used);
   result.thickness_median = MedianOf(&thickness);
   return result;
@@ -130,10 +149,15 @@ MapQuality ComputeMapQuality(const Cloud& cloud, const MapQualityOptions& option
   const RadiusGrid grid(cloud.points, options.radius);
   const std::vector<std::size_t> bounds = ChunkBounds(grid);
   std::vector<ChunkSums> chunks(bounds.size() - 1);
+  std::vector<PointQuality> values;
+  if (options.keep_values) values.assign(cloud.size(), {kNothing, kNothing, kNothing});
+  PointQuality* const kept = options.keep_values ? values.data() : nullptr;
   ParallelFor(chunks.size(), options.threads, [&](std::size_t k) {
-    chunks[k] = Evaluator(grid, options).Run(bounds[k], bounds[k + 1]);
+    chunks[k] = Evaluator(grid, options, kept).Run(bounds[k], bounds[k + 1]);
   });
-  return Combine(chunks, cloud.size(), options);
+  MapQuality result = Combine(chunks, cloud.size(), options);
+  result.values = std::move(values);
+  return result;
 }
 
 }  // namespace planegraph

@@ -15,6 +15,8 @@ MatrixPose PoseAt(const Trajectory& trajectory, std::size_t i) {
 
 void Append(const Trajectory& reference, std::size_t i, const Trajectory& estimate, std::size_t j,
             PosePairs* pairs) {
+  pairs->indices.push_back(i);
+  pairs->times.push_back(reference.times[i]);
   pairs->reference.push_back(PoseAt(reference, i));
   pairs->estimate.push_back(PoseAt(estimate, j));
 }
@@ -50,7 +52,10 @@ PosePairs PairByTime(const Trajectory& reference, const Trajectory& estimate,
   for (std::size_t i = 0; i < few.size(); ++i) {
     const std::size_t j = NearestInTime(many.times, order, few.times[i]);
     const double difference = std::abs(many.times[j] - few.times[i]);
-    if (difference > max_difference) continue;
+    if (difference > max_difference) {
+      ++pairs.unpaired;
+      continue;
+    }
     Append(reference, reference_is_short ? i : j, estimate, reference_is_short ? j : i, &pairs);
     pairs.max_time_difference = std::max(pairs.max_time_difference, difference);
   }

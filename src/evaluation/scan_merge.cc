@@ -1,5 +1,6 @@
 #include "planegraph/evaluation/scan_merge.h"
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -50,6 +51,17 @@ std::uint64_t VoxelKey(const Eigen::Vector3d& point, double voxel) {
 
 }  // namespace
 
+std::uint64_t Fingerprint(const Cloud& cloud, std::uint64_t before) {
+  constexpr std::uint64_t kPrime = 0x100000001B3ull;
+  std::uint64_t hash = (before ^ cloud.size()) * kPrime;
+  for (const Eigen::Vector3f& point : cloud.points) {
+    for (int axis = 0; axis < 3; ++axis) {
+      hash = (hash ^ std::bit_cast<std::uint32_t>(point[axis])) * kPrime;
+    }
+  }
+  return hash;
+}
+
 std::vector<std::uint32_t> FirstOfEachVoxel(const Cloud& cloud, double voxel) {
   KeySet occupied(cloud.size());
   std::vector<std::uint32_t> first;
@@ -74,6 +86,7 @@ void ScanMerger::Add(const Cloud& scan, const Rigid3& world_from_scan) {
   }
   Cloud kept = Select(scan, in_range);
   if (options_.voxel > 0.0) kept = Select(kept, FirstOfEachVoxel(kept, options_.voxel));
+  fingerprint_ = Fingerprint(kept, fingerprint_);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const Eigen::Vector3d position = world_from_scan * kept.Position(i) - *offset_;
     merged_.points.push_back(position.cast<float>());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "planegraph/base/error.h"
+#include "planegraph/evaluation/interval.h"
 #include "planegraph/geometry/alignment.h"
 #include "planegraph/geometry/moments.h"
 #include "planegraph/geometry/rotation.h"
@@ -108,6 +109,31 @@ void SummarizeErrors(PoseErrors* errors) {
   errors->rotation = Summarize(errors->rotation_errors);
 }
 
+PoseErrors ErrorsUnder(const MatrixSim& sim, const PosePairs& pairs) {
+  PoseErrors errors;
+  for (std::size_t i = 0; i < pairs.reference.size(); ++i) {
+    AddError(Between(pairs.reference[i], Apply(sim, pairs.estimate[i])), &errors);
+  }
+  SummarizeErrors(&errors);
+  return errors;
+}
+
+template <typename T>
+std::vector<T> Without(std::vector<T> values, const std::pair<std::size_t, std::size_t>& block) {
+  const auto at = [&](std::size_t i) { return values.begin() + static_cast<std::ptrdiff_t>(i); };
+  values.erase(at(block.first), at(block.second));
+  return values;
+}
+
+PoseErrors ErrorsWithout(const PoseErrors& errors,
+                         const std::pair<std::size_t, std::size_t>& block) {
+  PoseErrors rest;
+  rest.translation_errors = Without(errors.translation_errors, block);
+  rest.rotation_errors = Without(errors.rotation_errors, block);
+  SummarizeErrors(&rest);
+  return rest;
+}
+
 const std::pair<PoseAlignment, const char*> kAlignmentNames[] = {{PoseAlignment::kSe3, "se3"},
                                                                  {PoseAlignment::kSim3, "sim3"},
                                                                  {PoseAlignment::kFirst, "first"},
@@ -135,14 +161,15 @@ Sim3 AlignPoses(const PosePairs& pairs, PoseAlignment alignment) {
 
 AteResult ComputeAte(const PosePairs& pairs, PoseAlignment alignment) {
   const MatrixSim sim = AlignMatrices(pairs, alignment);
-  AteResult result;
-  result.alignment = alignment;
-  result.reference_from_estimate = ToSim3(sim);
-  for (std::size_t i = 0; i < pairs.reference.size(); ++i) {
-    AddError(Between(pairs.reference[i], Apply(sim, pairs.estimate[i])), &result.errors);
-  }
-  SummarizeErrors(&result.errors);
-  return result;
+  return {ErrorsUnder(sim, pairs), alignment, ToSim3(sim)};
+}
+
+std::vector<MatrixPose> AlignedEstimate(const PosePairs& pairs, const AteResult& ate) {
+  const Sim3& sim = ate.reference_from_estimate;
+  const MatrixSim matrix{sim.scale, {sim.rotation.toRotationMatrix(), sim.translation}};
+  std::vector<MatrixPose> aligned;
+  for (const MatrixPose& pose : pairs.estimate) aligned.push_back(Apply(matrix, pose));
+  return aligned;
 }
 
 RpeResult ComputeRpe(const PosePairs& pairs, const RpeOptions& options, double scale) {
@@ -151,7 +178,8 @@ RpeResult ComputeRpe(const PosePairs& pairs, const RpeOptions& options, double s
   RpeResult result;
   result.options = options;
   const auto& path = options.pairs_from_estimate ? estimate : pairs.reference;
-  for (const auto& [i, j] : SelectPairs(path, options)) {
+  result.pairs = SelectPairs(path, options);
+  for (const auto& [i, j] : result.pairs) {
     const MatrixPose reference_motion = Between(pairs.reference[i], pairs.reference[j]);
     AddError(Between(reference_motion, Between(estimate[i], estimate[j])), &result.errors);
   }
@@ -160,6 +188,42 @@ RpeResult ComputeRpe(const PosePairs& pairs, const RpeOptions& options, double s
   }
   SummarizeErrors(&result.errors);
   return result;
+}
+
+std::vector<PoseErrors> AteWithoutBlocks(const PosePairs& pairs, const AteResult& ate,
+                                         std::size_t blocks) try {
+  const bool by_positions =
+      ate.alignment == PoseAlignment::kSe3 || ate.alignment == PoseAlignment::kSim3;
+  std::vector<PoseErrors> without;
+  for (const auto& block : ConsecutiveBlocks(pairs.reference.size(), blocks)) {
+    if (!by_positions) {
+      without.push_back(ErrorsWithout(ate.errors, block));
+      continue;
+    }
+    PosePairs rest;
+    rest.reference = Without(pairs.reference, block);
+    rest.estimate = Without(pairs.estimate, block);
+    without.push_back(ComputeAte(rest, ate.alignment).errors);
+  }
+  return without;
+} catch (const NoResultError&) {
+  return {};
+}
+
+std::vector<PoseErrors> RpeWithoutBlocks(const RpeResult& rpe, std::size_t blocks) {
+  const std::size_t count = rpe.pairs.size();
+  if (rpe.options.all_pairs) {
+    std::size_t reach = 1;
+    for (const auto& [i, j] : rpe.pairs) reach = std::max(reach, j - i);
+    blocks = std::min(blocks, count / reach);
+  }
+  std::vector<PoseErrors> without;
+  if (count < 2) return without;
+  for (const auto& block : ConsecutiveBlocks(count, blocks)) {
+    if (block.second - block.first == count) return {};
+    without.push_back(ErrorsWithout(rpe.errors, block));
+  }
+  return without;
 }
 
 }  // namespace planegraph

@@ -7,6 +7,7 @@
 
 #include "planegraph/cloud/cloud.h"
 #include "planegraph/io/cloud_writer.h"
+#include "planegraph/io/labelled_cloud.h"
 
 // The readers of one format each. They take a file's whole content; `file` is its name for
 // messages. All throw InputError. The cloud may be empty where the data are (ReadCloud refuses
@@ -18,6 +19,8 @@ Cloud ParsePly(std::string_view bytes, const std::string& file);
 /// The points of a merged map by their sources, read by blocks from the start of a stream that can
 /// seek. Nothing where it is no whole map.ply as MapPlyWriter writes it.
 std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file);
+/// A PLY with an int `plane` per point; nothing where it is another PLY or none.
+std::optional<LabelledCloud> ParseLabelledPly(std::string_view bytes, const std::string& file);
 Cloud ParsePcd(std::string_view bytes, const std::string& file);
 /// XYZ, TXT, CSV: with the names of the columns in a first line, or told apart by their number.
 Cloud ParseXyz(std::string_view bytes, const std::string& file);

@@ -39,6 +39,7 @@ void AddTum(const std::vector<double>& row, const std::string& file, std::size_t
     throw InputError::AtLine(file, line,
                              "the quaternion's norm is " + std::to_string(norm) + ", not 1");
   }
+  trajectory->norm_error = std::max(trajectory->norm_error, std::abs(norm - 1.0));
   trajectory->times.push_back(row[0]);
   trajectory->poses.emplace_back(rotation.normalized(), Eigen::Vector3d(row[1], row[2], row[3]));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,11 @@ struct ScanMergeOptions {
   double max_range = 0.0;  ///< and those farther away; 0: none
 };
 
+/// A fingerprint (FNV-1a, 64 bits) of a sequence of clouds' points and their order, not of their
+/// offsets.
+inline constexpr std::uint64_t kFingerprintStart = 0xCBF29CE484222325ull;
+std::uint64_t Fingerprint(const Cloud& cloud, std::uint64_t before = kFingerprintStart);
+
 /// Puts raw scans into one cloud under given poses, each thinned in its own frame: of each voxel
 /// floor(p / voxel) the first point in the scan's order stays, so that the same points stay
 /// whatever the poses. What MME and thickness of a trajectory are taken of.
@@ -24,11 +30,15 @@ class ScanMerger {
   void Add(const Cloud& scan, const Rigid3& world_from_scan);
   /// Positions in the world; the offset is the translation of the first pose.
   const Cloud& merged() const { return merged_; }
+  /// Of the points that stayed, in their scans' frames and in order: equal for equal sets of
+  /// points, whatever the poses.
+  std::uint64_t fingerprint() const { return fingerprint_; }
 
  private:
   ScanMergeOptions options_;
   std::optional<Eigen::Vector3d> offset_;
   Cloud merged_;
+  std::uint64_t fingerprint_ = kFingerprintStart;
 };
 
 /// Indices of the first point of each occupied voxel, ascending.

@@ -26,6 +26,9 @@ struct PosePairs {
   std::vector<MatrixPose> reference, estimate;  ///< world_from_body, of equal length
   bool by_time = true;                          ///< false: paired by index
   double max_time_difference = 0.0;             ///< the largest that occurs, seconds
+  std::size_t unpaired = 0;          ///< poses of the shorter trajectory without a counterpart
+  std::vector<double> times;         ///< of the reference's poses; without times their indices
+  std::vector<std::size_t> indices;  ///< of the reference's poses, in its file
 };
 
 /// Pairs two trajectories. Both with times: each pose of the shorter one takes the pose of the
@@ -67,6 +70,9 @@ struct AteResult {
 /// Absolute trajectory error: of F_i = Q_i^-1 S P_i, reference Q, estimate P, alignment S.
 AteResult ComputeAte(const PosePairs& pairs, PoseAlignment alignment);
 
+/// The estimate's pose k in the frame of the reference.
+std::vector<MatrixPose> AlignedEstimate(const PosePairs& pairs, const AteResult& ate);
+
 enum class DeltaUnit { kFrames, kMetres };
 struct RpeOptions {
   double delta = 1.0;  ///< frames (a whole number) or metres of path; above 0
@@ -83,6 +89,7 @@ struct RpeOptions {
 struct RpeResult {
   PoseErrors errors;
   RpeOptions options;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< of poses, one per error
 };
 
 /// Pairs (i, j) of poses about delta apart. In metres and disjoint, a pair reaches from the first
@@ -96,5 +103,14 @@ std::vector<std::pair<std::size_t, std::size_t>> SelectPairs(const std::vector<M
 /// scale of a sim3 alignment, else 1). Throws NoResultError where no two poses are delta apart, and
 /// UsageError where delta makes no sense.
 RpeResult ComputeRpe(const PosePairs& pairs, const RpeOptions& options, double scale = 1.0);
+
+/// The ATE without one block of consecutive poses each, for intervals (interval.h). The alignment
+/// by positions is found anew each time, so its freedom counts; those by the first pose and none
+/// stay. Empty where an alignment fails.
+std::vector<PoseErrors> AteWithoutBlocks(const PosePairs& pairs, const AteResult& ate,
+                                         std::size_t blocks);
+/// Likewise the RPE without one block of consecutive pairs each. Blocks are at least as long as the
+/// pairs' reach, for pairs that overlap share their errors.
+std::vector<PoseErrors> RpeWithoutBlocks(const RpeResult& rpe, std::size_t blocks);
 
 }  // namespace planegraph

@@ -16,13 +16,16 @@ struct Trajectory {
   /// The rotations as a file of matrices (KITTI) holds them, rounded and so not quite orthonormal;
   /// empty or one per pose. Errors of a hundredth of a millimetre depend on them.
   std::vector<Eigen::Matrix3d> matrices = {};
+  /// How far the norm of a quaternion in the file lies from 1 at most.
+  double norm_error = 0.0;
 
   std::size_t size() const { return poses.size(); }
 };
 
-/// Reads TUM (8 columns, quaternions normalized), KITTI (12 columns; a matrix that is not quite
-/// orthonormal becomes the nearest rotation) or a folder of 3DTK .frames files (else .pose files,
-/// in name order), or the vertices of a g2o file, told apart by the content. Throws InputError.
+/// Reads TUM (8 columns; quaternions are normalized, norms off by more than 1 % refused), KITTI (12
+/// columns; a matrix that is not quite orthonormal becomes the nearest rotation) or a folder of
+/// 3DTK .frames files (else .pose files, in name order), or the vertices of a g2o file, told apart
+/// by the content. Throws InputError.
 Trajectory ReadTrajectory(const std::string& path);
 
 /// Writes TUM, full precision, atomically.
