@@ -125,8 +125,11 @@ nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
     const Sim3 pose = map.metric_from_map.Inverse() * candidate.refinement.map_from_group;
     candidates.push_back(
         {{"map_from_scan", SimilarityToJson(pose)},
-         {"score", FLAGS_method == "cells" ? candidate.evidence.agree : candidate.evidence.Score()},
+         {"score", FLAGS_method == "cells" ? candidate.evidence.agree : candidate.probability},
          {"agree", candidate.evidence.agree},
+         {"log_likelihood", candidate.log_likelihood},
+         {"confirmed", candidate.evidence.confirmed},
+         {"contradicted", candidate.evidence.contradicted},
          {"worst_direction", candidate.evidence.worst_direction},
          {"pierced", candidate.evidence.pierced}});
   }

@@ -2,6 +2,7 @@
 // by the paper's cells, and prints how many were found as Markdown (docs/localization.md). SITE is
 // a site file or its folder, with truth/similarity.json beside it.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -73,18 +74,18 @@ void PrintSummary(const std::vector<Results>& all) {
 }
 
 void PrintScan(const LocatedSite& site, const Outcome& o) {
-  std::printf("| %s | %.2f | %s | %.3f | %.2f | %.3f | %.3f | %.0e | %.3f | %.3f | %.2f |\n",
+  std::printf("| %s | %.2f | %s | %.3f | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.0e | %.2f |\n",
               site.scans[o.scan].id.c_str(), site.coverage[o.scan], Verdict(o).c_str(), o.metres,
-              o.degrees, o.r1, o.r2, o.chance, o.true_score, o.wrong_score, o.seconds);
+              o.degrees, o.confirmed, o.contradicted, o.best, o.truth, o.wrong_pose, o.chance,
+              o.seconds);
 }
 
 void PrintScans(const Results& results) {
   const auto table = [&](const char* title, const std::vector<Outcome>& outcomes) {
     std::printf(
-        "\n#### %s: %s\n\n| scan | coverage | result | best pose off, m | deg | r1 | r2 | chance | "
-        "score of the truth | best wrong score | CPU s "
-        "|\n|---|---|---|---|---|---|---|---|---|---|---|"
-        "\n",
+        "\n#### %s: %s\n\n| scan | coverage | result | best pose off, m | deg | confirmed | "
+        "contradicted | nats, best | truth | best wrong | chance | CPU s "
+        "|\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         results.site.name.c_str(), title);
     for (const Outcome& o : outcomes) PrintScan(results.site, o);
   };
@@ -94,14 +95,12 @@ void PrintScans(const Results& results) {
 
 void PrintCells(const Results& results) {
   std::printf(
-      "\n#### %s: the paper's cells\n\n| scan | coverage | result | best cell off, m | deg | r1 | "
-      "r2 "
-      "| s |\n|---|---|---|---|---|---|---|---|\n",
+      "\n#### %s: the paper's cells\n\n| scan | coverage | result | best cell off, m | deg | s |\n"
+      "|---|---|---|---|---|---|\n",
       results.site.name.c_str());
   for (const Outcome& o : results.cells) {
-    std::printf("| %s | %.2f | %s | %.2f | %.1f | %.3f | %.3f | %.2f |\n",
-                results.site.scans[o.scan].id.c_str(), results.site.coverage[o.scan],
-                Verdict(o).c_str(), o.metres, o.degrees, o.r1, o.r2, o.seconds);
+    std::printf("| %s | %.2f | %s | %.2f | %.1f | %.2f |\n", results.site.scans[o.scan].id.c_str(),
+                results.site.coverage[o.scan], Verdict(o).c_str(), o.metres, o.degrees, o.seconds);
   }
 }
 
@@ -113,31 +112,26 @@ void PrintCases(const std::vector<Results>& all) {
       for (const Outcome& o : *outcomes) {
         if (!o.wrong() && (o.right() || !o.covered)) continue;
         std::printf(
-            "- %s, %s%s (coverage %.2f): %s; best pose %.2f m and %.1f deg off, r1 %.3f, r2 %.3f, "
-            "chance %.0e; the truth scores %.3f, the best wrong pose %.3f\n",
+            "- %s, %s%s (coverage %.2f): %s; best pose %.2f m and %.1f deg off with %.1f nats, the "
+            "truth %.1f, the best wrong pose %.1f; chance %.0e, of it nowhere %.0e\n",
             r.site.name.c_str(), r.site.scans[o.scan].id.c_str(),
             o.scans > 1 ? " and the next" : "", r.site.coverage[o.scan], Verdict(o).c_str(),
-            o.metres, o.degrees, o.r1, o.r2, o.chance, o.true_score, o.wrong_score);
+            o.metres, o.degrees, o.best, o.truth, o.wrong_pose, o.chance, o.nowhere);
       }
     }
   }
 }
 
-// Scores and ratios on the two sides of each threshold.
+// What the rules look at, by what the best pose is.
 struct Sides {
-  std::vector<double> truth, wrong;           // scores
-  std::vector<double> ratio_near, ratio_far;  // r2 / r1, by what the best pose is
-  std::vector<double> chance_near, chance_far;
-  std::vector<double> best_far;  // r1 of best poses that are far off
+  std::vector<double> best[2], lead[2], chance[2];  // 1: right
 
   void Add(const std::vector<Outcome>& outcomes) {
     for (const Outcome& o : outcomes) {
-      if (o.covered) truth.push_back(o.true_score);
-      wrong.push_back(o.wrong_score);
-      if (!(o.r1 > 0.0)) continue;
-      (o.near ? ratio_near : ratio_far).push_back(o.r2 / o.r1);
-      (o.near ? chance_near : chance_far).push_back(o.chance);
-      if (!o.near) best_far.push_back(o.r1);
+      best[o.near].push_back(o.best);
+      chance[o.near].push_back(o.chance);
+      if (o.near && std::isfinite(o.wrong_pose)) lead[1].push_back(o.best - o.wrong_pose);
+      if (!o.near) lead[0].push_back(o.best - o.truth);
     }
   }
 };
@@ -153,34 +147,27 @@ void PrintSides(const char* title, const Sides& s) {
       "\n#### %s\n\n| value | count | least | 5 %% | 25 %% | median | 95 %% | greatest |\n"
       "|---|---|---|---|---|---|---|---|\n",
       title);
-  PrintQuantiles("score of the truth, covered", s.truth);
-  PrintQuantiles("best score of a wrong pose, each try", s.wrong);
-  PrintQuantiles("r1 where the best pose is wrong", s.best_far);
-  PrintQuantiles("r2 / r1 where the best pose is right", s.ratio_near);
-  PrintQuantiles("r2 / r1 where the best pose is wrong", s.ratio_far);
-  PrintQuantiles("chance where the best pose is right", s.chance_near);
-  PrintQuantiles("chance where the best pose is wrong", s.chance_far);
+  PrintQuantiles("nats of the best pose where it is right", s.best[1]);
+  PrintQuantiles("nats of the best pose where it is wrong", s.best[0]);
+  PrintQuantiles("its lead over the best wrong one where it is right", s.lead[1]);
+  PrintQuantiles("its lead over the truth where it is wrong", s.lead[0]);
+  PrintQuantiles("chance where the best pose is right", s.chance[1]);
+  PrintQuantiles("chance where the best pose is wrong", s.chance[0]);
 }
 
-// What each rule of LocateInMap, and each set of them, would let through.
+// What other limits of the chance would let through.
 void PrintRules(const char* title, const std::vector<Outcome>& tries) {
-  const MapLocationOptions limits;
   std::printf(
-      "\n#### %s: what the rules let through\n\n| rules | right poses | wrong poses "
+      "\n#### %s: what the limit of the chance lets through\n\n| limit | right poses | wrong poses "
       "|\n|---|---|---|\n",
       title);
-  for (int set = 0; set < 8; ++set) {
-    int right = 0, rights = 0, wrong = 0, wrongs = 0;
+  for (const double limit : {0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-6}) {
+    int passed[2] = {0, 0}, all[2] = {0, 0};
     for (const Outcome& o : tries) {
-      const bool passed = ((set & 1) == 0 || o.r1 >= limits.least_score) &&
-                          ((set & 2) == 0 || o.r2 <= limits.ambiguity * o.r1) &&
-                          ((set & 4) == 0 || o.chance <= limits.most_chance);
-      (o.near ? rights : wrongs)++;
-      if (passed) (o.near ? right : wrong)++;
+      ++all[o.near];
+      if (o.chance <= limit) ++passed[o.near];
     }
-    std::printf("| %s%s%s%s | %d of %d | %d of %d |\n", set == 0 ? "none" : "",
-                (set & 1) != 0 ? " score" : "", (set & 2) != 0 ? " ambiguity" : "",
-                (set & 4) != 0 ? " chance" : "", right, rights, wrong, wrongs);
+    std::printf("| %g | %d of %d | %d of %d |\n", limit, passed[1], all[1], passed[0], all[0]);
   }
 }
 

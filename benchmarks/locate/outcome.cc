@@ -31,9 +31,8 @@ Error ErrorOf(const LocatedSite& site, std::size_t scan, const Sim3& metric_from
 void Judge(const LocatedSite& site, const MapLocation& location, Outcome* outcome) {
   outcome->status = location.status;
   outcome->reason = location.reason;
-  outcome->r1 = location.r1;
-  outcome->r2 = location.r2;
   outcome->chance = location.chance;
+  outcome->nowhere = location.nowhere;
   for (std::size_t k = 0; k < location.candidates.size(); ++k) {
     const MapCandidate& candidate = location.candidates[k];
     const Error error = ErrorOf(site, outcome->scan, candidate.refinement.map_from_group);
@@ -41,10 +40,12 @@ void Judge(const LocatedSite& site, const MapLocation& location, Outcome* outcom
       outcome->metres = error.metres;
       outcome->degrees = error.degrees;
       outcome->near = error.near();
+      outcome->best = candidate.log_likelihood;
+      outcome->confirmed = candidate.evidence.confirmed;
+      outcome->contradicted = candidate.evidence.contradicted;
     }
-    if (!error.near()) {
-      outcome->wrong_score = std::max(outcome->wrong_score, candidate.evidence.Score());
-    }
+    if (!error.near())
+      outcome->wrong_pose = std::max(outcome->wrong_pose, candidate.log_likelihood);
   }
 }
 
@@ -55,16 +56,16 @@ MapLocationOptions OptionsFor(const LocatedSite& site) {
   return options;
 }
 
-// The evidence that LocateInMap would find at the true place.
-double TrueScore(const LocatedSite& site, const MapModel& map, const ScanGroup& group,
-                 std::size_t scan) {
+// The log-likelihood ratio that LocateInMap would find at the true place.
+double TrueLikelihood(const LocatedSite& site, const MapModel& map, const ScanGroup& group,
+                      std::size_t scan, double background) {
   const MapLocationOptions options = OptionsFor(site);
   MapRefinementOptions refinement;
   refinement.sigma_scale = options.prior.sigma_scale;
   refinement.first_gate = 0.3;
   const Sim3 pose = RefineInMap(map, group, site.MetricFromScan(scan), refinement).map_from_group;
   const double gate = std::max(options.gate, 5.0 * map.planes().noise.constant);
-  return MeasureEvidence(map, group, pose, gate).Score();
+  return LogLikelihoodRatio(MeasureEvidence(map, group, pose, gate), background);
 }
 
 Outcome Locate(const LocatedSite& site, const MapModel& map, const ScanGroup& group,
@@ -76,9 +77,10 @@ Outcome Locate(const LocatedSite& site, const MapModel& map, const ScanGroup& gr
   for (std::size_t k = 0; k < outcome.scans; ++k) coverage += site.coverage[scan + k];
   outcome.covered = coverage >= 0.5 * static_cast<double>(outcome.scans);
   const double start = ThreadSeconds();
-  Judge(site, LocateInMap(map, group, OptionsFor(site)), &outcome);
+  const MapLocation location = LocateInMap(map, group, OptionsFor(site));
   outcome.seconds = ThreadSeconds() - start;
-  outcome.true_score = TrueScore(site, map, group, scan);
+  Judge(site, location, &outcome);
+  outcome.truth = TrueLikelihood(site, map, group, scan, location.background);
   return outcome;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,12 +17,14 @@ struct Outcome {
   bool covered = false;
   RegistrationStatus status = RegistrationStatus::kFailed;
   std::string reason;
-  double metres = 0.0, degrees = 0.0;  ///< of the best candidate, in true metres
-  bool near = false;                   ///< within 1 m and 5 degrees
-  double r1 = 0.0, r2 = 0.0, chance = 1.0;
-  double true_score = 0.0;   ///< of the pose refined from the truth
-  double wrong_score = 0.0;  ///< of the best candidate that is not near the truth
-  double seconds = 0.0;      ///< of CPU time, one thread
+  double metres = 0.0, degrees = 0.0;          ///< of the best candidate, in true metres
+  bool near = false;                           ///< within 1 m and 5 degrees
+  double chance = 1.0, nowhere = 1.0;          ///< probabilities: see MapLocation
+  double confirmed = 0.0, contradicted = 0.0;  ///< at the best pose
+  // Log-likelihood ratios (nats): of the best candidate, of the pose refined from the truth, and of
+  // the best candidate that is not near the truth (-infinity: none).
+  double best = 0.0, truth = 0.0, wrong_pose = -INFINITY;
+  double seconds = 0.0;  ///< of CPU time, one thread
 
   bool right() const { return status == RegistrationStatus::kOk && near; }
   bool wrong() const { return status == RegistrationStatus::kOk && !near; }

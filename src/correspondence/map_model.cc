@@ -13,7 +13,8 @@ constexpr double kVoxel = 0.8;  // metres
 
 MapModel::MapModel(const PlaneSet& planes)
     : surfaces_(planes),
-      grid_(std::make_shared<const DirectionGrid>(surfaces_.map.surfels(), kVoxel)) {}
+      grid_(std::make_shared<const DirectionGrid>(surfaces_.map.surfels(), kVoxel)),
+      sky_(surfaces_.map.surfels()) {}
 
 std::vector<std::uint32_t> MapModel::Section(const Eigen::Vector3d& centre, double radius) const {
   std::vector<std::uint32_t> found;

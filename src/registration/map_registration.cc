@@ -1,6 +1,5 @@
 #include "planegraph/registration/map_registration.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,10 +18,8 @@ constexpr std::size_t kFirstLook = 96;  // samples, of all scans together
 constexpr double kAnchorRadius = 6.0, kAnchorDistance = 12.0;  // metres
 constexpr std::size_t kMostAnchors = 4;
 constexpr double kMostScaleSigmas = 5.0;
+constexpr double kFirstBackground = 0.3;  // to find the best candidate, and so all others
 constexpr double kSameMetres = 2.0, kSameRadians = 0.1;
-constexpr double kPierceMargin = 0.7;  // metres that a beam must go on beyond a surface
-constexpr double kViewRadius = 25.0;   // metres about a scan in which the map is looked through
-constexpr std::size_t kMostViewed = 600;
 
 // Share of agreement, quickly: for a first look at many hypotheses.
 double Agreement(const MapModel& map, const std::vector<GroupSample>& samples, const Sim3& pose,
@@ -35,56 +32,6 @@ double Agreement(const MapModel& map, const std::vector<GroupSample>& samples, c
     if (map.surfaces().Find(place, rotation * s.normal, gate, kLeastCosine) >= 0) agree += s.weight;
   }
   return all > 0.0 ? agree / all : 0.0;
-}
-
-// Counts of the map's surfels about one scan that its laser looked through, and that it met.
-struct View {
-  double pierced = 0.0, met = 0.0;
-};
-
-View LookThrough(const MapModel& map, const ScanModel& scan, const Sim3& map_from_scan) {
-  View view;
-  const auto section = map.Section(map_from_scan.translation, kViewRadius * map_from_scan.scale);
-  const std::size_t stride = 1 + section.size() / kMostViewed;
-  const Sim3 scan_from_map = map_from_scan.Inverse();
-  for (std::size_t k = 0; k < section.size(); k += stride) {
-    const Surfel& surfel = map.surfaces().surfels()[section[k]];
-    // The back of a wall is hidden by its front; only what faces the scanner can be seen.
-    if (surfel.normal.dot(map_from_scan.translation - surfel.mean) <= 0.0) continue;
-    switch (scan.planes->range_image.Classify(scan_from_map * surfel.mean, kPierceMargin)) {
-      case RangeImage::Space::kFree:
-        view.pierced += surfel.area;
-        break;
-      case RangeImage::Space::kSurface:
-        view.met += surfel.area;
-        break;
-      default:
-        break;
-    }
-  }
-  return view;
-}
-
-// What of one scan lies on the map, in sum and by direction.
-struct Agreements {
-  double agree = 0.0;
-  Eigen::Matrix3d good = Eigen::Matrix3d::Zero(), all = Eigen::Matrix3d::Zero();
-};
-
-std::vector<Agreements> AgreementsByScan(const MapModel& map, const ScanGroup& group,
-                                         const Sim3& map_from_group, double gate) {
-  constexpr std::size_t kSamples = 256;
-  std::vector<Agreements> scans(group.scans.size());
-  const Eigen::Matrix3d rotation = map_from_group.rotation.toRotationMatrix();
-  for (const GroupSample& s : SamplesOf(group, kSamples)) {
-    const Eigen::Vector3d normal = rotation * s.normal;
-    const Eigen::Matrix3d share = s.weight * normal * normal.transpose();
-    scans[s.scan].all += share;
-    if (map.surfaces().Find(map_from_group * s.mean, normal, gate, kLeastCosine) < 0) continue;
-    scans[s.scan].good += share;
-    scans[s.scan].agree += s.weight;
-  }
-  return scans;
 }
 
 bool SamePose(const Sim3& a, const Sim3& b) {
@@ -166,10 +113,24 @@ MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start
   return candidate;
 }
 
-void SortByScore(std::vector<MapCandidate>* candidates) {
+void SortByLikelihood(double background, std::vector<MapCandidate>* candidates) {
+  for (MapCandidate& c : *candidates) {
+    c.log_likelihood = LogLikelihoodRatio(c.evidence, background);
+  }
   std::stable_sort(candidates->begin(), candidates->end(), [](const auto& a, const auto& b) {
-    return a.evidence.Score() > b.evidence.Score();
+    return a.log_likelihood > b.log_likelihood;
   });
+}
+
+// What wrong poses of this search look like: all but those near the best one.
+double BackgroundOf(const std::vector<MapCandidate>& candidates) {
+  std::vector<const MapEvidence*> wrong;
+  for (const MapCandidate& c : candidates) {
+    if (!SamePose(c.refinement.map_from_group, candidates.front().refinement.map_from_group)) {
+      wrong.push_back(&c.evidence);
+    }
+  }
+  return BackgroundShare(wrong);
 }
 
 std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
@@ -183,7 +144,6 @@ std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
   std::erase_if(candidates, [&](const MapCandidate& c) {
     return std::abs(std::log(c.refinement.map_from_group.scale)) > most;
   });
-  SortByScore(&candidates);
   return candidates;
 }
 
@@ -202,7 +162,7 @@ std::vector<MapCandidate> DifferentPoses(std::vector<MapCandidate> candidates, s
 // Refines the best candidate with more surfaces. One that falls behind the next by it leaves its
 // place to that, until the first one is refined.
 void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
-                std::vector<MapCandidate>* candidates) {
+                double background, std::vector<MapCandidate>* candidates) {
   MapRefinementOptions fine;
   fine.sigma_scale = options.prior.sigma_scale;
   fine.first_gate = 0.3;
@@ -210,83 +170,52 @@ void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOp
     MapCandidate& best = candidates->front();
     best.refinement = RefineInMap(map, group, best.refinement.map_from_group, fine);
     best.evidence = MeasureEvidence(map, group, best.refinement.map_from_group, options.gate);
-    const double score = best.evidence.Score();
-    SortByScore(candidates);
-    if (candidates->front().evidence.Score() <= score) return;
+    const double likelihood = LogLikelihoodRatio(best.evidence, background);
+    SortByLikelihood(background, candidates);
+    if (candidates->front().log_likelihood <= likelihood) return;
   }
 }
 
-// Probability that the best wrong pose scores as high as the best one: the scores of the poses that
-// differ from it are a sample of wrong ones, and their upper tail is taken as exponential.
-double ChanceOfWrong(const std::vector<MapCandidate>& candidates) {
-  constexpr std::size_t kTail = 8;
-  const std::size_t last = std::min(candidates.size() - 1, kTail);
-  if (last < 3) return 0.0;  // nothing else fits at all
-  const double second = candidates[1].evidence.Score();
-  double excess = 0.0;
-  for (std::size_t k = 1; k < last; ++k) {
-    excess += (candidates[k].evidence.Score() - candidates[last].evidence.Score()) /
-              static_cast<double>(last - 1);
-  }
-  const double lead = candidates[0].evidence.Score() - second;
-  return excess > 0.0 ? std::exp(-lead / excess) : 0.0;
+// Each candidate may be where the scans stand, all with the same prior probability, and they may as
+// well stand nowhere in the map, where every pose is of the background.
+void ComputeProbabilities(MapLocation* location) {
+  auto& candidates = location->candidates;
+  const double top = std::max(0.0, candidates.front().log_likelihood);
+  for (MapCandidate& c : candidates) c.probability = std::exp(c.log_likelihood - top);
+  location->nowhere = static_cast<double>(candidates.size()) * std::exp(-top);
+  double wrong = location->nowhere;
+  for (std::size_t k = 1; k < candidates.size(); ++k) wrong += candidates[k].probability;
+  const double all = candidates.front().probability + wrong;
+  for (MapCandidate& c : candidates) c.probability /= all;
+  location->chance = wrong / all;
+  location->nowhere /= all;
+  location->r1 = candidates[0].probability;
+  if (candidates.size() > 1) location->r2 = candidates[1].probability;
 }
 
 void Decide(const MapLocationOptions& options, MapLocation* location) {
   const MapEvidence& best = location->candidates.front().evidence;
-  char text[160];
-  if (location->r1 < options.least_score) {
-    location->status = RegistrationStatus::kFailed;
-    std::snprintf(
-        text, sizeof(text),
-        "the best place explains too little: %.0f %% of the surfaces, %.0f %% in the worst "
-        "direction, score %.3f of %.3f",
-        100.0 * best.agree, 100.0 * best.worst_direction, location->r1, options.least_score);
-  } else if (location->r2 > options.ambiguity * location->r1 ||
-             location->chance > options.most_chance) {
-    location->status = RegistrationStatus::kAmbiguous;
-    std::snprintf(text, sizeof(text),
-                  "another place fits nearly as well: score %.3f and %.3f, chance of an error %.1e",
-                  location->r2, location->r1, location->chance);
-  } else {
+  if (location->chance <= options.most_chance) {
     location->status = RegistrationStatus::kOk;
     return;
+  }
+  char text[200];
+  if (location->nowhere > options.most_chance) {
+    location->status = RegistrationStatus::kFailed;
+    std::snprintf(text, sizeof(text),
+                  "chance could have made the best place: the map confirms %.0f %% of the surfaces "
+                  "and contradicts %.0f %%, probability of an error %.1e",
+                  100.0 * best.confirmed, 100.0 * best.contradicted, location->chance);
+  } else {
+    location->status = RegistrationStatus::kAmbiguous;
+    std::snprintf(text, sizeof(text),
+                  "another place fits nearly as well: probabilities %.4f and %.4f", location->r1,
+                  location->r2);
   }
   location->reason = text;
 }
 
 }  // namespace
-
-MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
-                            double gate) {
-  const std::vector<Agreements> scans = AgreementsByScan(map, group, map_from_group, gate);
-  std::vector<std::size_t> order(scans.size());
-  for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return scans[a].agree > scans[b].agree; });
-  MapEvidence evidence;
-  for (const Agreements& scan : scans) evidence.agree_by_scan.push_back(scan.agree);
-  order.resize((scans.size() + 1) / 2);
-  Eigen::Matrix3d good = Eigen::Matrix3d::Zero(), all = Eigen::Matrix3d::Zero();
-  for (const std::size_t s : order) {
-    evidence.agree += scans[s].agree / static_cast<double>(order.size());
-    good += scans[s].good;
-    all += scans[s].all;
-  }
-  const Eigen::Matrix3d floor = 0.02 * all.trace() * Eigen::Matrix3d::Identity();
-  evidence.worst_direction = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(
-                                 good + floor, all + floor, Eigen::EigenvaluesOnly)
-                                 .eigenvalues()[0];
-  View view;
-  for (std::size_t s = 0; s < group.scans.size(); ++s) {
-    const View one =
-        LookThrough(map, *group.scans[s], map_from_group * Sim3(group.group_from_scan[s]));
-    view.pierced += one.pierced;
-    view.met += one.met;
-  }
-  if (view.pierced > 0.0) evidence.pierced = view.pierced / (view.pierced + view.met);
-  return evidence;
-}
 
 std::vector<PlanePair> MapCorrespondences(const MapModel& map, const ScanModel& scan,
                                           const Sim3& map_from_scan, double gate) {
@@ -316,15 +245,16 @@ MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
   options.gate = std::max(given.gate, 5.0 * map.planes().noise.constant);
   MapLocation location;
   auto candidates = RefineAll(map, group, FindStarts(map, group, options), options);
-  location.candidates = DifferentPoses(std::move(candidates), kMostCandidates);
-  if (location.candidates.empty()) {
+  if (candidates.empty()) {
     location.reason = "the scans and the map have no two plane directions at equal angles";
     return location;
   }
-  RefineBest(map, group, options, &location.candidates);
-  location.r1 = location.candidates.front().evidence.Score();
-  if (location.candidates.size() > 1) location.r2 = location.candidates[1].evidence.Score();
-  location.chance = ChanceOfWrong(location.candidates);
+  SortByLikelihood(kFirstBackground, &candidates);
+  location.background = BackgroundOf(candidates);
+  SortByLikelihood(location.background, &candidates);
+  location.candidates = DifferentPoses(std::move(candidates), kMostCandidates);
+  RefineBest(map, group, options, location.background, &location.candidates);
+  ComputeProbabilities(&location);
   Decide(options, &location);
   return location;
 }

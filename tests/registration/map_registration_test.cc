@@ -111,7 +111,7 @@ TEST(LocateInMap, TheBestCandidateComesFirstAndItsChanceIsAProbability) {
     options.prior.upright = true;
     const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
     for (std::size_t k = 1; k < found.candidates.size(); ++k) {
-      EXPECT_LE(found.candidates[k].evidence.Score(), found.candidates[k - 1].evidence.Score());
+      EXPECT_LE(found.candidates[k].log_likelihood, found.candidates[k - 1].log_likelihood);
     }
     EXPECT_GE(found.r1, found.r2);
     EXPECT_LE(found.chance, 1.0);
@@ -188,7 +188,7 @@ TEST(MeasureEvidence, TheTruthHasItAndAWrongPlaceHasNot) {
   for (const auto& wrong : {MakePose(1.5, 1.0, 1.3, 0.4), MakePose(0, 0, 1.3, 0.9),
                             MakePose(0, 0, 2.5, 0.4), MakePose(14, -1, 1.3, 0.4)}) {
     const MapEvidence evidence = MeasureEvidence(village.model(), group, Sim3(wrong), kGate);
-    EXPECT_LT(evidence.Score(), 0.3 * truth.Score());
+    EXPECT_LT(LogLikelihoodRatio(evidence, 0.3), 0.3 * LogLikelihoodRatio(truth, 0.3));
   }
 }
 
@@ -207,7 +207,65 @@ TEST(MeasureEvidence, AWallThatTheLaserLookedThroughIsPierced) {
   const MapEvidence pierced = MeasureEvidence(with_walls.model(), group, Sim3(pose), kGate);
   EXPECT_LT(free.pierced, 0.02);
   EXPECT_GT(pierced.pierced, free.pierced + 0.02);
-  EXPECT_LT(pierced.Score(), free.Score());
+}
+
+TEST(MeasureEvidence, SurfacesInTheMapsFreeAirAreContradicted) {
+  const VillageMap village;
+  const Rigid3 pose = MakePose(0, 0, 1.3, 0.4);
+  const MadeScan scan(Village(), pose, 1);
+  const ScanGroup group(scan.model());
+  const MapEvidence truth = MeasureEvidence(village.model(), group, Sim3(pose), kGate);
+  EXPECT_LT(truth.contradicted, 0.02);
+  // Three metres above the ground all that faced up is in the air, and the ground confirms nothing.
+  const MapEvidence high =
+      MeasureEvidence(village.model(), group, Sim3(MakePose(0, 0, 4.3, 0.4)), kGate);
+  EXPECT_GT(high.contradicted, 0.2);
+  EXPECT_LT(high.confirmed, truth.confirmed);
+  // Below the ground the map has seen nothing.
+  const MapEvidence low =
+      MeasureEvidence(village.model(), group, Sim3(MakePose(0, 0, -40.0, 0.4)), kGate);
+  EXPECT_EQ(low.contradicted, 0.0);
+  EXPECT_EQ(low.confirmed, 0.0);
+}
+
+// Expected values by the binomial distribution: log(0.9^18 0.1^2 / (0.3^18 0.7^2)).
+TEST(LogLikelihoodRatio, IsThatOfIndependentTrials) {
+  MapEvidence evidence;
+  evidence.surfaces = 20.0;
+  evidence.confirmed = 0.9;
+  evidence.contradicted = 0.1;
+  const double expected = 18.0 * std::log(0.9 / 0.3) + 2.0 * std::log(0.1 / 0.7);
+  EXPECT_NEAR(LogLikelihoodRatio(evidence, 0.3), expected, 1e-12);
+  // What the map says nothing of is neither for nor against.
+  evidence.surfaces = 40.0;
+  evidence.confirmed = 0.45;
+  evidence.contradicted = 0.05;
+  EXPECT_NEAR(LogLikelihoodRatio(evidence, 0.3), expected, 1e-12);
+  EXPECT_EQ(LogLikelihoodRatio(MapEvidence(), 0.3), 0.0);
+}
+
+TEST(LogLikelihoodRatio, WhatIsLookedThroughSpeaksAgainstThePoseBeyondWhatIsToBeExpected) {
+  MapEvidence evidence;
+  evidence.viewed = 20.0;
+  evidence.pierced = 0.1;
+  EXPECT_EQ(LogLikelihoodRatio(evidence, 0.3), 0.0);
+  evidence.pierced = 0.5;
+  const double some = LogLikelihoodRatio(evidence, 0.3);
+  // Chernoff's bound lies above the tail of the distribution: P(X >= 10 of 20 | 0.15) = 2.5e-4.
+  EXPECT_GE(some, std::log(2.5e-4));
+  EXPECT_LT(some, std::log(1e-2));
+  evidence.pierced = 1.0;
+  EXPECT_NEAR(LogLikelihoodRatio(evidence, 0.3), 20.0 * std::log(0.15), 1e-12);
+}
+
+TEST(BackgroundShare, IsThatOfTheWrongPosesWithinItsLimits) {
+  MapEvidence a, b;
+  a.confirmed = 0.2, a.contradicted = 0.6;
+  b.confirmed = 0.1, b.contradicted = 0.1;
+  EXPECT_NEAR(BackgroundShare({&a, &b}), 0.3, 1e-12);
+  EXPECT_EQ(BackgroundShare({}), 0.5);
+  b.contradicted = 0.0;
+  EXPECT_EQ(BackgroundShare({&b}), 0.5);
 }
 
 TEST(MeasureEvidence, AGroupMayGoOnWhereTheMapDoesNot) {

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "planegraph/correspondence/open_sky.h"
 #include "planegraph/correspondence/scan_model.h"
 
 namespace planegraph {
@@ -18,12 +19,14 @@ class MapModel {
   const PatchMap& surfaces() const { return surfaces_.map; }
   const std::vector<DirectionCluster>& directions() const { return surfaces_.directions; }
   const DirectionGrid& grid() const { return *grid_; }
+  const OpenSky& sky() const { return sky_; }
   /// Surfels with their mean within `radius` metres of a place: a section of the map.
   std::vector<std::uint32_t> Section(const Eigen::Vector3d& centre, double radius) const;
 
  private:
   ScanModel surfaces_;
   std::shared_ptr<const DirectionGrid> grid_;
+  OpenSky sky_;
 };
 
 }  // namespace planegraph
