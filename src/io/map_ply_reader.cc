@@ -26,7 +26,8 @@ constexpr std::array<std::pair<const char*, ScalarType>, 9> kFields = {
      {"source", ScalarType::kUint8},
      {"scan", ScalarType::kInt32},
      {"plane", ScalarType::kInt32}}};
-constexpr std::size_t kRecordBytes = 24, kPlaceOfColour = 12, kPlaceOfSource = 15;
+constexpr std::size_t kRecordBytes = 24, kPlaceOfColour = 12, kPlaceOfSource = 15,
+                      kPlaceOfScan = 16, kPlaceOfPlane = 20;
 
 bool IsOurs(const PlyHeader& header) {
   if (header.encoding != PlyEncoding::kLittleEndian || header.elements.size() != 1) return false;
@@ -38,6 +39,69 @@ bool IsOurs(const PlyHeader& header) {
                              property.type == field.second;
                     });
 }
+
+// The header of a file of ours, with the stream at the first record; nothing for any other.
+std::optional<PlyHeader> OpenOurs(std::istream* stream, const std::string& file) {
+  std::string start(kHeaderBytes, '\0');
+  stream->read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream->gcount()));
+  stream->clear();
+  if (!start.starts_with("ply\n") || start.find("\nend_header\n") == start.npos) return {};
+  PlyHeader header = ParsePlyHeader(start, file);
+  if (!IsOurs(header)) return {};
+  stream->seekg(static_cast<std::streamoff>(header.body));
+  return header;
+}
+
+// Calls visit(first, count, records) for one block after the other; false where the file ends
+// before.
+template <typename Visit>
+bool ForEachBlock(std::istream* stream, std::uint64_t count, const Visit& visit) {
+  std::vector<char> block(kBlockPoints * kRecordBytes);
+  for (std::uint64_t first = 0; first < count; first += kBlockPoints) {
+    const std::size_t points = std::min<std::uint64_t>(kBlockPoints, count - first);
+    if (!stream->read(block.data(), static_cast<std::streamsize>(points * kRecordBytes))) {
+      return false;
+    }
+    visit(first, points, block.data());
+  }
+  return true;
+}
+
+MapPlyPoint ParseRecord(const char* record) {
+  MapPlyPoint point;
+  std::memcpy(point.position.data(), record, sizeof(float) * 3);
+  std::memcpy(point.rgb.data(), record + kPlaceOfColour, 3);
+  point.source = record[kPlaceOfSource] == static_cast<char>(PointSource::kVision)
+                     ? PointSource::kVision
+                     : PointSource::kLaser;
+  std::memcpy(&point.scan, record + kPlaceOfScan, sizeof(point.scan));
+  std::memcpy(&point.plane, record + kPlaceOfPlane, sizeof(point.plane));
+  return point;
+}
+
+// The stretches of a file of which a sample has one point each.
+class Stretches {
+ public:
+  Stretches(std::uint64_t count, std::uint64_t most)
+      : count_(count), stretches_(std::min(count, most)) {}
+  std::uint64_t size() const { return stretches_; }
+  // The index of the point of stretch k: anywhere in it, so that no regular pattern of a scanner's
+  // lines shows, and the same in every run.
+  std::uint64_t Chosen(std::uint64_t k) const {
+    const std::uint64_t begin = Begin(k), length = Begin(k + 1) - begin;
+    std::uint64_t mixed = (k + 1) * 0x9e3779b97f4a7c15u;
+    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
+    return begin + (mixed >> 32) % length;
+  }
+
+ private:
+  std::uint64_t Begin(std::uint64_t k) const {
+    return static_cast<std::uint64_t>(static_cast<double>(k) * static_cast<double>(count_) /
+                                      static_cast<double>(stretches_));
+  }
+  std::uint64_t count_, stretches_;
+};
 
 void AddRecord(const char* record, MergedMap* map) {
   Eigen::Vector3f point;
@@ -54,23 +118,17 @@ void AddRecord(const char* record, MergedMap* map) {
 }  // namespace
 
 std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file) {
-  std::string start(kHeaderBytes, '\0');
-  stream->read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream->gcount()));
-  stream->clear();
-  if (!start.starts_with("ply\n") || start.find("\nend_header\n") == start.npos) return {};
-  const PlyHeader header = ParsePlyHeader(start, file);
-  if (!IsOurs(header)) return {};
+  const std::optional<PlyHeader> header = OpenOurs(stream, file);
+  if (!header) return {};
   MergedMap map;
-  map.laser.offset = map.vision.offset = *header.offset;
-  stream->seekg(static_cast<std::streamoff>(header.body));
-  std::vector<char> block(kBlockPoints * kRecordBytes);
-  const std::uint64_t count = header.elements.front().count;
-  for (std::uint64_t have = 0; have < count; have += kBlockPoints) {
-    const std::size_t points = std::min<std::uint64_t>(kBlockPoints, count - have);
-    if (!stream->read(block.data(), static_cast<std::streamsize>(points * kRecordBytes))) return {};
-    for (std::size_t i = 0; i < points; ++i) AddRecord(&block[i * kRecordBytes], &map);
-  }
+  map.laser.offset = map.vision.offset = *header->offset;
+  const bool whole = ForEachBlock(stream, header->elements.front().count,
+                                  [&](std::uint64_t, std::size_t points, const char* records) {
+                                    for (std::size_t i = 0; i < points; ++i) {
+                                      AddRecord(records + i * kRecordBytes, &map);
+                                    }
+                                  });
+  if (!whole) return {};
   return map;
 }
 
@@ -84,6 +142,27 @@ MergedMap ReadMapPly(const std::string& path) {
   }
   // Every other file, and what is wrong with one.
   return {ReadPositions(path, "ply"), {}};
+}
+
+MapSample SampleMapPly(const std::string& path, std::size_t most) {
+  MapSample sample;
+  std::ifstream stream(path, std::ios::binary);
+  const std::optional<PlyHeader> header = stream ? OpenOurs(&stream, path) : std::nullopt;
+  if (!header || most == 0) return sample;
+  const std::uint64_t count = header->elements.front().count;
+  const Stretches stretches(count, most);
+  std::uint64_t next = 0;
+  sample.offset = *header->offset;
+  ForEachBlock(&stream, count, [&](std::uint64_t first, std::size_t points, const char* records) {
+    for (; next < stretches.size(); ++next) {
+      const std::uint64_t at = stretches.Chosen(next) - first;
+      if (at >= points) return;
+      const MapPlyPoint point = ParseRecord(records + at * kRecordBytes);
+      if (point.position.allFinite()) sample.points.push_back(point);
+    }
+  });
+  sample.total = count;
+  return sample;
 }
 
 }  // namespace planegraph

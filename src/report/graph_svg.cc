@@ -98,14 +98,17 @@ std::string EdgePath(const Node& source, const Node& target, bool map) {
 
 std::string EdgesSvg(const ReportData& data, const Nodes& nodes, bool used) {
   std::string svg;
-  for (const Json& r : ListAt(*data.json, {"registrations"})) {
+  const Json& registrations = ListAt(*data.json, {"registrations"});
+  for (std::size_t i = 0; i < registrations.size(); ++i) {
+    const Json& r = registrations[i];
     if (FlagAt(r, {"used"}).value_or(false) != used) continue;
     const bool map = TextAt(r, {"kind"}) == "laser-map";
     const Node* target = nodes.Find(TextAt(r, {"target"}), map);
     const Node* source = nodes.Find(TextAt(r, {"source"}), false);
     if (!target || !source) continue;
-    svg += "<path class=\"edge " + EdgeClass(r) + "\" d=\"" + EdgePath(*source, *target, map) +
-           "\"><title>" + Escape(EdgeTitle(r)) + "</title></path>\n";
+    svg += "<path class=\"edge " + EdgeClass(r) + "\" data-registration=\"" + std::to_string(i) +
+           "\" d=\"" + EdgePath(*source, *target, map) + "\"><title>" + Escape(EdgeTitle(r)) +
+           "</title></path>\n";
   }
   return svg;
 }

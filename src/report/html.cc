@@ -88,9 +88,12 @@ std::string GroupedOrDash(const std::optional<double>& value) {
 
 std::string TextOrDash(std::string_view text) { return text.empty() ? kDash : Escape(text); }
 
-void HtmlTable::Row(const std::vector<std::string>& cells, std::string_view row_class) {
+void HtmlTable::Row(const std::vector<std::string>& cells, std::string_view row_class,
+                    std::string_view attributes) {
   ++rows_;
-  body_ += row_class.empty() ? "<tr>" : "<tr class=\"" + std::string(row_class) + "\">";
+  body_ += "<tr";
+  if (!row_class.empty()) body_ += " class=\"" + std::string(row_class) + "\"";
+  body_ += std::string(attributes) + ">";
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     body_ += columns_[i].numeric ? "<td class=\"n\">" : "<td>";
     body_ += (i < cells.size() && !cells[i].empty() ? cells[i] : kDash) + std::string("</td>");

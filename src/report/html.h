@@ -38,7 +38,9 @@ struct HtmlColumn {
 class HtmlTable {
  public:
   explicit HtmlTable(std::vector<HtmlColumn> columns) : columns_(std::move(columns)) {}
-  void Row(const std::vector<std::string>& cells, std::string_view row_class = "");
+  /// `attributes`: further ones of the row, with a blank before each.
+  void Row(const std::vector<std::string>& cells, std::string_view row_class = "",
+           std::string_view attributes = "");
   std::size_t rows() const { return rows_; }
   /// The table; folded up behind `summary` where it has more rows than `most_open`.
   std::string Html(const std::string& summary, std::size_t most_open = 16) const;

@@ -9,6 +9,7 @@
 #include "report/render.h"
 #include "report/sections.h"
 #include "report/style.h"
+#include "report/viewer_html.h"
 
 namespace planegraph {
 namespace {
@@ -48,21 +49,24 @@ std::string Footer(const Json& report) {
 
 }  // namespace
 
-std::string RenderReport(const Json& report, const MergedMap& map) {
+std::string RenderReport(const Json& report, const MergedMap& map, const ViewerInput& viewer) {
   const ReportData data = ReadReportData(report);
   const PlanFrame frame(ChooseView(map.laser, data.Positions()));
   return Head(TextAt(report, {"name"})) + HeaderHtml(data) + "<main>\n" +
-         Section("Plan", FloorPlanHtml(data, map, frame)) + OpenDirectionsHtml(data) +
-         MapsHtml(data) + EvaluationHtml(data) + ScansHtml(data) +
+         Section("Plan", FloorPlanHtml(data, map, frame)) +
+         Section("3-D view", ViewerHtml(data, viewer)) + OpenDirectionsHtml(data) + MapsHtml(data) +
+         EvaluationHtml(data) + ScansHtml(data) +
          Section("Registrations", GraphHtml(data, frame) + RegistrationsHtml(data)) +
          TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) + ConfigurationHtml(data) +
-         "</div>\n" + "</main>\n" + Footer(report) + "</body>\n</html>\n";
+         "</div>\n" + "</main>\n" + Footer(report) + ViewerScriptsHtml(data, viewer) +
+         "</body>\n</html>\n";
 }
 
 void WriteHtmlReport(const std::string& folder) {
   const Json report = ReadReport(folder + "/report.json");
   const MergedMap map = ReadMap(folder + "/map.ply");
-  WriteTextFile(folder + "/report.html", RenderReport(report, map));
+  const ViewerInput viewer = ReadViewerInput(folder, ReadReportData(report));
+  WriteTextFile(folder + "/report.html", RenderReport(report, map, viewer));
 }
 
 }  // namespace planegraph

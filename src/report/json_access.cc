@@ -54,12 +54,19 @@ std::optional<std::vector<double>> NumbersAt(const Json& json, Keys keys, std::s
   return numbers;
 }
 
-std::optional<Eigen::Vector3d> VectorAt(const Json& json, Keys keys) {
-  const auto numbers = NumbersAt(json, keys, 3);
-  if (!numbers) return std::nullopt;
-  const Eigen::Vector3d vector((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+std::optional<Eigen::Vector3d> VectorOf(const Json& list) {
+  if (!list.is_array() || list.size() != 3) return std::nullopt;
+  Eigen::Vector3d vector;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!list[axis].is_number()) return std::nullopt;
+    vector[static_cast<Eigen::Index>(axis)] = list[axis].get<double>();
+  }
   if (!vector.allFinite()) return std::nullopt;
   return vector;
+}
+
+std::optional<Eigen::Vector3d> VectorAt(const Json& json, Keys keys) {
+  return VectorOf(Get(json, keys));
 }
 
 }  // namespace planegraph

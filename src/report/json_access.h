@@ -27,6 +27,8 @@ const Json& ListAt(const Json& json, Keys keys);
 /// Exactly `count` numbers; NaN stands for null. Nothing where there are none.
 std::optional<std::vector<double>> NumbersAt(const Json& json, Keys keys, std::size_t count);
 /// Three finite numbers.
+std::optional<Eigen::Vector3d> VectorOf(const Json& list);
+/// The same under the keys.
 std::optional<Eigen::Vector3d> VectorAt(const Json& json, Keys keys);
 
 }  // namespace planegraph

@@ -10,10 +10,11 @@ namespace {
 
 constexpr std::size_t kMostNumbers = 60;  ///< of scans that a picture shows
 
-std::string ScanMark(const ReportScan& scan, const PlanFrame& frame) {
+std::string ScanMark(const ReportScan& scan, std::size_t index, const PlanFrame& frame) {
   const Eigen::Vector2d at = frame.Place(*scan.position);
-  return "<circle class=\"scan " + RobotClass(scan.robot_index) + "\"" + SvgNumber("cx", at.x()) +
-         SvgNumber("cy", at.y()) + " r=\"4.5\"><title>" + Escape(scan.id) + "</title></circle>\n";
+  return "<circle class=\"scan " + RobotClass(scan.robot_index) + "\" data-scan=\"" +
+         std::to_string(index) + "\"" + SvgNumber("cx", at.x()) + SvgNumber("cy", at.y()) +
+         " r=\"4.5\"><title>" + Escape(scan.id) + "</title></circle>\n";
 }
 
 // Numbers without leading zeros: they say the same in less room.
@@ -48,8 +49,8 @@ std::string RobotClass(std::size_t robot) { return "r" + std::to_string(robot % 
 
 std::string MarksSvg(const ReportData& data, const PlanFrame& frame) {
   std::string svg;
-  for (const ReportScan& scan : data.scans) {
-    if (scan.position) svg += ScanMark(scan, frame);
+  for (std::size_t i = 0; i < data.scans.size(); ++i) {
+    if (data.scans[i].position) svg += ScanMark(data.scans[i], i, frame);
   }
   return svg + ScanNumbers(data, frame);
 }

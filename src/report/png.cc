@@ -51,17 +51,6 @@ std::string Rows(const IndexedImage& image) {
   return rows;
 }
 
-std::string Deflate(const std::string& bytes) {
-  uLongf size = compressBound(bytes.size());
-  std::string packed(size, '\0');
-  const int status =
-      compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), kCompressionLevel);
-  if (status != Z_OK) throw std::runtime_error("zlib cannot compress");
-  packed.resize(size);
-  return packed;
-}
-
 }  // namespace
 
 std::string EncodePng(const IndexedImage& image, const std::vector<Rgba>& palette) {
@@ -70,7 +59,17 @@ std::string EncodePng(const IndexedImage& image, const std::vector<Rgba>& palett
     throw std::invalid_argument("EncodePng: sizes do not fit");
   }
   return "\x89PNG\r\n\x1a\n" + HeaderChunk(image) + PaletteChunks(palette) +
-         Chunk("IDAT", Deflate(Rows(image))) + Chunk("IEND", "");
+         Chunk("IDAT", Deflate(Rows(image), kCompressionLevel)) + Chunk("IEND", "");
+}
+
+std::string Deflate(const std::string& bytes, int level) {
+  uLongf size = compressBound(bytes.size());
+  std::string packed(size, '\0');
+  const int status = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                               reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), level);
+  if (status != Z_OK) throw std::runtime_error("zlib cannot compress");
+  packed.resize(size);
+  return packed;
 }
 
 std::string Base64(std::string_view bytes) {

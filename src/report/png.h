@@ -20,6 +20,9 @@ struct IndexedImage {
 /// The picture as the bytes of a PNG file with at most 256 colours (ISO/IEC 15948).
 std::string EncodePng(const IndexedImage& image, const std::vector<Rgba>& palette);
 
+/// Compressed in zlib's format (RFC 1950), levels 1 (fast) to 9.
+std::string Deflate(const std::string& bytes, int level);
+
 /// RFC 4648, with padding.
 std::string Base64(std::string_view bytes);
 

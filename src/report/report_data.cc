@@ -105,6 +105,14 @@ ReportData ReadReportData(const Json& json) {
   return data;
 }
 
+std::optional<Rigid3> PoseOf(const ReportScan& scan) {
+  const auto q = NumbersAt(*scan.json, {"world_from_scan", "rotation"}, 4);
+  if (!q || !scan.position) return std::nullopt;
+  const Eigen::Quaterniond rotation((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
+  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) return std::nullopt;
+  return Rigid3{rotation.normalized(), *scan.position};
+}
+
 std::vector<OpenDirection> OpenDirections(const Json& owner) {
   std::vector<OpenDirection> list;
   for (const Json& entry : ListAt(owner, {"unobserved"})) {

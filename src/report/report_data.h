@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/geometry/rigid3.h"
 #include "report/json_access.h"
 
 namespace planegraph {
@@ -51,6 +52,9 @@ struct ReportData {
 std::vector<std::string> AnchorsOf(const Json& scan);
 
 ReportData ReadReportData(const Json& json);
+
+/// world_from_scan; nothing where the report has no usable pose.
+std::optional<Rigid3> PoseOf(const ReportScan& scan);
 
 /// The entries of `unobserved`; those that cannot be read are left out.
 std::vector<OpenDirection> OpenDirections(const Json& owner);

@@ -92,6 +92,11 @@ std::string AnchorsText(const Json& scan) {
   return text.empty() ? kDash : text;
 }
 
+// What the 3-D view is asked for by this row.
+std::string ViewAttribute(const char* kind, std::size_t index) {
+  return std::string(" data-") + kind + "=\"" + std::to_string(index) + "\"";
+}
+
 void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* table) {
   const Json& json = *scan.json;
   std::vector<std::string> cells = {TextOrDash(scan.id),
@@ -104,7 +109,8 @@ void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* t
                                     SecondsText(json),
                                     WeakestText(scan, has_fixed)};
   if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
-  table->Row(cells, OpenDirections(json).empty() ? "" : "weak");
+  table->Row(cells, OpenDirections(json).empty() ? "" : "weak",
+             ViewAttribute("scan", table->rows()));
 }
 
 // ---- registrations ----
@@ -140,7 +146,8 @@ void AddRegistration(const Json& r, HtmlTable* table) {
        TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})), CorrespondencesText(r),
        FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0), FixedOrDash(NumberAt(r, {"quality"}), 2),
        UsedText(FlagAt(r, {"used"})), FixedOrDash(NumberAt(r, {"seconds"}), 3), NoteText(r)},
-      FlagAt(r, {"used"}).value_or(true) ? "" : "unused");
+      FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
+      ViewAttribute("registration", table->rows()));
 }
 
 }  // namespace

@@ -7,15 +7,18 @@ const char* const kReportStyle = R"css(
   color-scheme: light dark;
   --page: #ffffff; --card: #f5f6f8; --text: #1b2430; --quiet: #5b6675; --line: #d7dce2;
   --good: #1a7f4b; --fair: #9a6200; --bad: #b3261e; --grid: #00000014; --halo: #ffffff;
+  --focus: #0b62c4;
   --upright: #141c28; --high: #6ba39d; --seen: #e2e5e8;
+  --view: #f4f6f8;
 }
 .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; } .r2 { --robot: #8a3ffc; }
 .r3 { --robot: #00857a; } .r4 { --robot: #c2255c; } .r5 { --robot: #6b7280; }
 @media (prefers-color-scheme: dark) {
   :root {
     --page: #14181d; --card: #1e242b; --text: #e4e8ed; --quiet: #9aa6b3; --line: #343d47;
-    --good: #5bc98d; --fair: #e0a63c; --bad: #f2867d; --grid: #ffffff14; --halo: #14181d;
+    --good: #5bc98d; --fair: #e0a63c; --bad: #f2867d; --focus: #6db3ff; --grid: #ffffff14; --halo: #14181d;
     --upright: #ebe3d7; --high: #5b948f; --seen: #2c3238;
+    --view: #0d1014;
   }
   .map { filter: invert(1) hue-rotate(180deg); }
   .r0 { --robot: #4da3ff; } .r1 { --robot: #f0a050; } .r2 { --robot: #b794ff; }
@@ -94,7 +97,26 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .unused.edge { stroke: #9aa0a8; stroke-width: 1.3; stroke-dasharray: 3 4; }
 .s0 { fill: #4f7cac; } .s1 { fill: #e0a458; } .s2 { fill: #6a994e; } .s3 { fill: #a06cd5; }
 .s4 { fill: #c8553d; } .s5 { fill: #7d8491; } .s6 { fill: #c9ada7; }
+.picture { height: min(70vh, 40rem); border-radius: 6px; overflow: hidden; background: var(--view); }
+.picture canvas { display: block; width: 100%; height: 100%; cursor: grab; }
+.picture canvas:active { cursor: grabbing; }
+.picture canvas:focus-visible { outline: 2px solid var(--focus); outline-offset: -2px; }
+.controls { display: flex; flex-wrap: wrap; gap: .4rem 1rem; align-items: center; margin: .4rem 0; font-size: .85rem; }
+.controls label { display: flex; gap: .4rem; align-items: center; min-height: 2rem; }
+.controls input[type="range"] { width: 8rem; } #viewer input { accent-color: var(--focus); }
+#viewer button, #viewer select {
+  font: inherit; font-size: .85rem; color: var(--text); background: var(--card);
+  border: 1px solid var(--line); border-radius: 6px; padding: .3rem .7rem; min-height: 2rem;
+}
+#viewer button { cursor: pointer; }
+.info { min-height: 2rem; font-size: .9rem; overflow-wrap: anywhere; }
+.swatch { width: .9rem; height: .9rem; border-radius: 3px; } .swatch.wide { width: 8rem; }
+button.show {
+  font: inherit; color: var(--focus); background: none; border: 0; padding: 0; cursor: pointer;
+  text-decoration: underline; text-underline-offset: 2px;
+}
 @media (max-width: 40rem) {
+  .picture { height: 65vh; }
   body { padding: .7rem; } h1 { font-size: 1.45rem; }
   .figures { grid-template-columns: repeat(2, 1fr); } svg.plan { font-size: 19px; }
 }
@@ -104,6 +126,8 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
     --line: #bbb; --grid: #00000014; --halo: #fff; --upright: #141c28; --high: #6ba39d;
     --seen: #e2e5e8; --good: #1a7f4b; --fair: #9a6200; --bad: #b3261e;
   }
+  .controls, #viewer .note, .info button { display: none; }
+  button.show { color: inherit; text-decoration: none; }
   .map { filter: none; } .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 13.5cm; break-inside: avoid; }

@@ -9,11 +9,12 @@ step() { printf '\n== %s (%dm %02ds)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60))
 
 # The packages of the groups that are not installed.
 missing_packages() {
-  local group package
+  local group package program
   for group in "$@"; do
-    while read -r package; do
+    while read -r package program; do
+      [ -z "$program" ] || ! command -v "$program" >/dev/null || continue
       [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
-    done < <(awk -v group="$group" '$1 == group {print $2}' "$SCRIPTS/packages.txt")
+    done < <(awk -v group="$group" '$1 == group {print $2, $3}' "$SCRIPTS/packages.txt")
   done
 }
 

@@ -6,7 +6,7 @@ out=${1:-$ROOT/out/demo}
 planegraph=$ROOT/build/release/tools/planegraph
 
 step "Installing packages"
-install_packages build
+install_packages build viewer
 step "Building"
 cd "$ROOT"
 build release planegraph_tool

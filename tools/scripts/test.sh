@@ -34,7 +34,7 @@ fuzz() {
 
 cd "$ROOT"
 step "Installing packages"
-install_packages build test pcl
+install_packages build viewer test browser pcl
 [ "$long" = no ] || install_packages long
 step "Building"
 build ci

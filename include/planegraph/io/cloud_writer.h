@@ -66,4 +66,25 @@ struct MergedMap {
 /// a NaN or infinite coordinate are dropped. Throws InputError.
 MergedMap ReadMapPly(const std::string& path);
 
+/// A point of a merged map with all that map.ply says of it.
+struct MapPlyPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< less the map's offset
+  std::array<std::uint8_t, 3> rgb = {0, 0, 0};
+  PointSource source = PointSource::kLaser;
+  std::int32_t scan = -1, plane = -1;  ///< -1: none
+};
+
+/// Some points of a merged map, in its order.
+struct MapSample {
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  std::vector<MapPlyPoint> points;
+  std::uint64_t total = 0;  ///< points of the whole map
+};
+
+/// At most `most` points of map.ply, one at random from each stretch of equal length, the same in
+/// every run; a block of the file is in memory at a time. Points with a NaN or infinite coordinate
+/// are dropped. Empty where the file is not there or not one that MapPlyWriter wrote, and what a
+/// file that is cut off still holds: ReadMapPly says what is wrong with it.
+MapSample SampleMapPly(const std::string& path, std::size_t most);
+
 }  // namespace planegraph
