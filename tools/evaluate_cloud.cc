@@ -112,6 +112,53 @@ MapQuality JudgeCloud(const Cloud& cloud, nlohmann::json* json) {
   return quality;
 }
 
+// ---- two estimates of the same scans ----
+
+nlohmann::json DifferenceJson(const MapQualityDifference& difference) {
+  nlohmann::json json = Figures(difference.mme, difference.mpv);
+  json.update({{"thickness_mean", difference.thickness_mean},
+               {"points", difference.points},
+               {"intervals", FLAGS_confidence > 0.0 ? IntervalsJson(difference.intervals)
+                                                    : nlohmann::json(nullptr)}});
+  return json;
+}
+
+void PrintDifference(const MapQualityDifference& difference) {
+  const bool wanted = FLAGS_confidence > 0.0;
+  const auto text = [&](const auto& interval) {
+    return wanted ? IntervalText(interval) : std::string();
+  };
+  std::printf("%s less %s, over the %zu points that both use\n", FLAGS_compare.c_str(),
+              FLAGS_estimate.c_str(), difference.points);
+  std::printf("  MME        %+11.6f nats%s\n", difference.mme,
+              text(difference.intervals.mme).c_str());
+  if (FLAGS_mpv) {
+    std::printf("  MPV        %+11.6f m%s\n", difference.mpv,
+                text(difference.intervals.mpv).c_str());
+  }
+  std::printf("  thickness  %+11.6f m mean%s\n", difference.thickness_mean,
+              text(difference.intervals.thickness_mean).c_str());
+}
+
+// The points that stay of each scan do not depend on the poses; the fingerprints prove it.
+void ReportComparison(const Judged& judged, const MapQuality& quality, nlohmann::json* result) {
+  const Judged other = MergedScans(FLAGS_compare, result);
+  if (other.fingerprint != judged.fingerprint) {
+    throw InputError::InFile(FLAGS_compare, "leads to other points than " + FLAGS_estimate +
+                                                ": they cannot be compared");
+  }
+  nlohmann::json compare = (*result)["compare"];
+  if (!compare.is_object()) compare = nlohmann::json::object();
+  compare["estimate"] = FLAGS_compare;
+  if (WantsText()) std::printf("the same of %s\n", FLAGS_compare.c_str());
+  const MapQuality of_other = JudgeCloud(other.cloud, &compare);
+  const double level = FLAGS_confidence > 0.0 ? FLAGS_confidence : IntervalOptions().level;
+  const auto difference = CompareQuality(judged.cloud, quality, of_other, MapQualityFlags(), level);
+  compare["difference"].update(DifferenceJson(difference));
+  (*result)["compare"] = std::move(compare);
+  if (WantsText()) PrintDifference(difference);
+}
+
 void ReportQuality(const Judged& judged, nlohmann::json* result) {
   result->update({{"radius", FLAGS_radius},
                   {"mode", FLAGS_mode},
@@ -119,40 +166,8 @@ void ReportQuality(const Judged& judged, nlohmann::json* result) {
                   {"min_neighbours", FLAGS_min_neighbours},
                   {"voxel", FLAGS_voxel},
                   {"point_set", Hexadecimal(judged.fingerprint)}});
-  if (FLAGS_compare.empty() || FLAGS_scans.empty()) {
-    JudgeCloud(judged.cloud, result);
-    return;
-  }
-  const Judged other = MergedScans(FLAGS_compare, result);
-  if (other.fingerprint != judged.fingerprint) {
-    throw InputError::InFile(FLAGS_compare, "leads to other points than " + FLAGS_estimate +
-                                                ": they cannot be compared");
-  }
-  const MapQuality a = JudgeCloud(judged.cloud, result);
-  nlohmann::json& compare = (*result)["compare"];
-  compare["estimate"] = FLAGS_compare;
-  if (WantsText()) std::printf("the same of %s\n", FLAGS_compare.c_str());
-  const MapQuality b = JudgeCloud(other.cloud, &compare);
-  const double level = FLAGS_confidence > 0.0 ? FLAGS_confidence : IntervalOptions().level;
-  const auto difference = CompareQuality(judged.cloud, a, b, MapQualityFlags(), level);
-  nlohmann::json& json = compare["difference"];
-  if (!json.is_object()) json = nlohmann::json::object();
-  json.update(Figures(difference.mme, difference.mpv));
-  json.update({{"thickness_mean", difference.thickness_mean},
-               {"points", difference.points},
-               {"intervals", FLAGS_confidence > 0.0 ? IntervalsJson(difference.intervals)
-                                                    : nlohmann::json(nullptr)}});
-  if (!WantsText()) return;
-  std::printf("%s less %s, over the %zu points that both use\n", FLAGS_compare.c_str(),
-              FLAGS_estimate.c_str(), difference.points);
-  std::printf("  MME        %+11.6f nats%s\n", difference.mme,
-              IntervalText(difference.intervals.mme).c_str());
-  if (FLAGS_mpv) {
-    std::printf("  MPV        %+11.6f m%s\n", difference.mpv,
-                IntervalText(difference.intervals.mpv).c_str());
-  }
-  std::printf("  thickness  %+11.6f m mean%s\n", difference.thickness_mean,
-              IntervalText(difference.intervals.thickness_mean).c_str());
+  const MapQuality quality = JudgeCloud(judged.cloud, result);
+  if (!FLAGS_compare.empty() && !FLAGS_scans.empty()) ReportComparison(judged, quality, result);
 }
 
 // ---- planes ----

@@ -28,12 +28,15 @@ class PlaneVariance {
   Hypothesis Refine(const Hypothesis& plane) const;
   void Measure(const Neighbourhood& neighbourhood, const Hypothesis& plane);
   double MeanOfLargestQuarter();
+  double SumOfLargest(std::size_t largest);
+  double SumFrom(float low, std::size_t count) const;
 
   const RadiusGrid& grid_;
   std::uint64_t seed_;
   bool as_tool_;
   std::vector<float> x_, y_, z_;  ///< the sample, relative to the centre
-  std::vector<float> distances_;
+  std::vector<float> distances_, edge_;
+  std::vector<std::uint32_t> bins_;
 };
 
 }  // namespace planegraph

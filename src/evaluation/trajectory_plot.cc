@@ -1,6 +1,7 @@
 #include "planegraph/evaluation/trajectory_plot.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace planegraph {
@@ -8,7 +9,7 @@ namespace {
 
 // Okabe and Ito's colours, told apart by the colour-blind and in grey.
 constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"};
-constexpr const char* kReferenceColour = "#555555";
+constexpr const char* kReferenceColour = "#bbbbbb";
 // Fewer poses than this are marked one by one.
 constexpr std::size_t kMarked = 60;
 
@@ -74,9 +75,12 @@ std::string SeriesBlocks(const TrajectoryPlot& plot, std::size_t k, const View& 
          (rpe.empty() ? "" : Block("rpe" + number, rpe));
 }
 
-std::string Style(const char* colour, std::size_t poses) {
-  const std::string base = std::string(" lc rgb '") + colour + "' lw 1.6";
-  return poses < kMarked ? " with linespoints" + base + " pt 7 ps 0.45" : " with lines" + base;
+std::string Style(const char* colour, std::size_t poses, double width = 1.6) {
+  char text[120];
+  std::snprintf(text, sizeof text, " with %s lc rgb '%s' lw %.1f%s",
+                poses < kMarked ? "linespoints" : "lines", colour, width,
+                poses < kMarked ? " pt 7 ps 0.45" : "");
+  return text;
 }
 
 std::string Panel(const std::string& place, const std::string& title, const std::string& x_label,
@@ -85,22 +89,50 @@ std::string Panel(const std::string& place, const std::string& title, const std:
          "\nset ylabel " + Quoted(y_label) + "\n";
 }
 
-// One panel of errors: `columns` as gnuplot's `using`.
+// 1, 2 or 5 times a power of ten, so that about four steps reach the largest value.
+double TicStep(double largest) {
+  const double step = largest / 4.0, power = std::pow(10.0, std::floor(std::log10(step)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= step) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+// A kind of error and how it is shown; small ones in thousandths.
+struct ErrorKind {
+  std::vector<double> PlotSeries::*values;
+  std::string block, columns, name, unit, thousandth;
+};
+
+double LargestOf(const TrajectoryPlot& plot, const ErrorKind& kind) {
+  double largest = 0.0;
+  for (const PlotSeries& series : plot.series) {
+    for (const double value : series.*kind.values) largest = std::max(largest, value);
+  }
+  return largest;
+}
+
 std::string ErrorPanel(const TrajectoryPlot& plot, const std::string& place,
-                       const std::string& title, const std::string& y_label,
-                       const std::string& block, const std::string& columns) {
+                       const std::string& title, const std::string& x_label,
+                       const ErrorKind& kind) {
+  constexpr double kSmall = 0.1;
+  const double largest = LargestOf(plot, kind), factor = largest < kSmall ? 1000.0 : 1.0;
   std::string curves;
   for (std::size_t k = 0; k < plot.series.size(); ++k) {
-    const PlotSeries& series = plot.series[k];
-    const std::size_t count = block == "ate" ? series.ate.size() : series.rpe.size();
+    const std::size_t count = (plot.series[k].*kind.values).size();
     if (count == 0) continue;
-    if (!curves.empty()) curves += ", ";
-    curves += "$" + block + std::to_string(k) + " using " + columns + " notitle" +
+    curves += (curves.empty() ? "$" : ", $") + kind.block + std::to_string(k) + " using 1:(" +
+              (factor > 1.0 ? "1000*" : "") + "column(" + kind.columns + ")) notitle" +
               Style(kColours[k % 4], count);
   }
   if (curves.empty()) return "";
-  return Panel(place, title, plot.has_times ? "time [s]" : "pose", y_label) +
-         "set yrange [0:*]\nplot " + curves + "\n";
+  const double top = largest > 0.0 ? 1.08 * factor * largest : 1.0;
+  char range[160];
+  std::snprintf(range, sizeof range, "set yrange [0:%.6g]\nset ytics %.6g\nset xrange [0:%.9g]\n",
+                top, TicStep(top), plot.times.back() - (plot.has_times ? plot.times.front() : 0.0));
+  return Panel(place, title, x_label,
+               kind.name + " [" + (factor > 1.0 ? kind.thousandth : kind.unit) + "]") +
+         range + "plot " + curves + "\n";
 }
 
 std::string WayPanel(const TrajectoryPlot& plot, const View& view) {
@@ -113,7 +145,7 @@ std::string WayPanel(const TrajectoryPlot& plot, const View& view) {
       "set key at screen 0.275, screen 0.045 center center horizontal\nset offsets graph 0.05, "
       "graph 0.05, graph 0.05, graph 0.05\n";
   text += "plot $reference using 1:2 title 'reference'" +
-          Style(kReferenceColour, plot.times.size()) + " dt 2";
+          Style(kReferenceColour, plot.times.size(), 4.0);
   for (std::size_t k = 0; k < plot.series.size(); ++k) {
     text += ", $way" + std::to_string(k) + " using 1:2 title " + Quoted(plot.series[k].name) +
             Style(kColours[k % 4], plot.times.size());
@@ -124,7 +156,7 @@ std::string WayPanel(const TrajectoryPlot& plot, const View& view) {
 std::string Place(double top, double bottom) {
   char text[200];
   std::snprintf(text, sizeof text,
-                "set lmargin at screen 0.575\nset rmargin at screen 0.975\nset tmargin at screen "
+                "set lmargin at screen 0.595\nset rmargin at screen 0.975\nset tmargin at screen "
                 "%.3f\nset bmargin at screen %.3f\n",
                 top, bottom);
   return text;
@@ -138,16 +170,20 @@ std::string GnuplotScript(const TrajectoryPlot& plot, const std::string& format)
       format == "pdf"
           ? "set terminal pdfcairo noenhanced size 18cm,12cm font 'Helvetica,9' background "
             "'#ffffff'\n"
-          : "set terminal svg noenhanced size 900,600 font 'Helvetica,12' background '#ffffff'\n";
+          : "set terminal svg noenhanced size 900,600 font 'Helvetica,13' background '#ffffff'\n";
   script += Block("reference", WayLines(plot.reference, view));
   for (std::size_t k = 0; k < plot.series.size(); ++k) script += SeriesBlocks(plot, k, view);
   script +=
       "set multiplot\nset grid lc rgb '#dddddd' lt 1 lw 0.6\nset border lc rgb '#444444' lw "
       "0.8\nset tics nomirror textcolor rgb '#222222'\nset xtics autofreq\n";
   script += WayPanel(plot, view);
-  script += ErrorPanel(plot, Place(0.93, 0.74), plot.ate_title, "ATE [m]", "ate", "1:2");
-  script += ErrorPanel(plot, Place(0.61, 0.42), plot.rpe_title, "RPE [m]", "rpe", "1:2");
-  script += ErrorPanel(plot, Place(0.29, 0.10), plot.rpe_title, "RPE [deg]", "rpe", "1:3");
+  const std::string time = plot.has_times ? "time [s]" : "pose";
+  const ErrorKind ate{&PlotSeries::ate, "ate", "2", "ATE", "m", "mm"};
+  const ErrorKind rpe{&PlotSeries::rpe, "rpe", "2", "RPE", "m", "mm"};
+  const ErrorKind turn{&PlotSeries::rpe_rotation, "rpe", "3", "RPE", "deg", "mdeg"};
+  script += ErrorPanel(plot, Place(0.93, 0.72), plot.ate_title, "", ate);
+  script += ErrorPanel(plot, Place(0.58, 0.39), plot.rpe_title, "", rpe);
+  script += ErrorPanel(plot, Place(0.33, 0.14), "", time, turn);
   return script + "unset multiplot\n";
 }
 

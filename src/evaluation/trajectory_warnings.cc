@@ -56,10 +56,9 @@ struct Reading {
   bool w_first, inverted;
   const char* name;
 };
-constexpr Reading kReadings[] = {
-    {true, true, "w first and inverted, as 3DTK's frames2tum writes"},
-    {true, false, "w first"},
-    {false, true, "inverted (body from world; or those of the other are)"}};
+constexpr Reading kReadings[] = {{true, true, "w first and inverted, as 3DTK's frames2tum writes"},
+                                 {true, false, "w first"},
+                                 {false, true, "inverted (body from world)"}};
 
 std::vector<Eigen::Quaterniond> Rotations(const std::vector<MatrixPose>& poses) {
   std::vector<Eigen::Quaterniond> rotations;
@@ -91,31 +90,52 @@ double Disagreement(const std::vector<Eigen::Quaterniond>& a,
   return Median(std::move(angles));
 }
 
-// The right reading of noisy rotations is never four times worse than a wrong one, and below half a
-// degree nothing is to be told.
-constexpr double kFarBetter = 0.25, kLeastDisagreement = 0.01;
+// Noise lets the right reading be a little worse than a wrong one where the body hardly turns, but
+// not twice; and below half a degree nothing is to be told.
+constexpr double kFarBetter = 0.5, kLeastDisagreement = 0.01;
 
-// True where it warned.
-bool WarnOfReading(const std::vector<Eigen::Quaterniond>& suspect, const std::string& file,
-                   const std::vector<Eigen::Quaterniond>& other,
-                   std::vector<std::string>* warnings) {
-  const double as_read = Disagreement(suspect, other);
-  if (!(as_read > kLeastDisagreement)) return false;
-  double best = kFarBetter * as_read;
-  const Reading* found = nullptr;
+// The better reading of one of two lists of rotations, and how far they then disagree.
+struct BetterReading {
+  const Reading* reading = nullptr;
+  double as_read = 0.0, angle = 0.0;  // radians
+};
+
+BetterReading FindReading(const std::vector<Eigen::Quaterniond>& suspect,
+                          const std::vector<Eigen::Quaterniond>& other) {
+  BetterReading best;
+  best.as_read = Disagreement(suspect, other);
+  best.angle = kFarBetter * best.as_read;
+  if (!(best.as_read > kLeastDisagreement)) return best;
   for (const Reading& reading : kReadings) {
     const double angle = Disagreement(ReadAs(reading, suspect), other);
-    if (!(angle < best)) continue;
-    best = angle;
-    found = &reading;
+    if (!(angle < best.angle)) continue;
+    best.angle = angle;
+    best.reading = &reading;
   }
-  if (!found) return false;
-  warnings->push_back(file + ": the rotations between poses agree with the other trajectory to " +
-                      Format("%.2f instead of %.2f degrees", kDegrees * best, kDegrees * as_read) +
-                      " when its quaternions are read " + found->name +
-                      "; TUM is qx qy qz qw, world from body. RPE and rotation errors mean "
-                      "nothing as they stand (convert 3DTK poses by planegraph convert)");
-  return true;
+  return best;
+}
+
+// Between two TUM files the rotations alone do not tell which of them is the wrong one; the first
+// quaternion may.
+std::string Suspect(const Trajectory& reference, const std::string& reference_file,
+                    const Trajectory& estimate, const std::string& estimate_file) {
+  if (!reference.has_times) return estimate_file;
+  if (!estimate.has_times) return reference_file;
+  if (StartsWithWFirst(estimate) == StartsWithWFirst(reference)) {
+    return estimate_file + " or " + reference_file;
+  }
+  return StartsWithWFirst(estimate) ? estimate_file : reference_file;
+}
+
+void WarnOfReading(const BetterReading& better, const std::string& file,
+                   std::vector<std::string>* warnings) {
+  if (!better.reading) return;
+  warnings->push_back(
+      file + ": the rotations between poses agree with the other trajectory to " +
+      Format("%.2f instead of %.2f degrees", kDegrees * better.angle, kDegrees * better.as_read) +
+      " when its quaternions are read " + better.reading->name +
+      "; TUM is qx qy qz qw, world from body. RPE and rotation errors mean nothing as they stand "
+      "(convert 3DTK poses by planegraph convert)");
 }
 
 // ---- places ----
@@ -232,11 +252,11 @@ std::vector<std::string> PairingWarnings(const Trajectory& reference,
                "time; nothing is said of them",
                pairs.unpaired, fewer));
   }
+  if (!estimate.has_times && !reference.has_times) return warnings;  // no quaternions in the files
   const auto of_reference = Rotations(pairs.reference), of_estimate = Rotations(pairs.estimate);
-  if (estimate.has_times && WarnOfReading(of_estimate, estimate_file, of_reference, &warnings)) {
-    return warnings;
-  }
-  if (reference.has_times) WarnOfReading(of_reference, reference_file, of_estimate, &warnings);
+  const BetterReading better = estimate.has_times ? FindReading(of_estimate, of_reference)
+                                                  : FindReading(of_reference, of_estimate);
+  WarnOfReading(better, Suspect(reference, reference_file, estimate, estimate_file), &warnings);
   return warnings;
 }
 

@@ -2,10 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli/tool_runner.h"
 #include "io/test_files.h"
@@ -16,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Jobs : public TestFolder {
@@ -60,6 +64,20 @@ TEST_F(Jobs, MapWritesItsFiles) {
                     " --estimate=" + Path("out/graph.g2o"))
                 .exit_code,
             0);
+  // A folder of 3DTK poses is a reference and an estimate, pose by pose.
+  const std::string folder = Path("out/frames/robot1"), tum = Path("out/trajectory_robot1.tum");
+  for (const std::string& files : {"--reference=" + folder + " --estimate=" + tum,
+                                   "--reference=" + tum + " --estimate=" + folder}) {
+    const auto json = nlohmann::json::parse(RunTool("evaluate --json --align=none " + files).out);
+    EXPECT_EQ(json["paired_by"], "index");
+    EXPECT_LT(json["ate"]["max"], 1e-9);
+    EXPECT_LT(json["rpe"]["rotation"]["max"], 1e-9);
+    EXPECT_EQ(json["count"], 8);
+  }
+  const auto map = nlohmann::json::parse(
+      RunTool("evaluate --json --mpv=false --every=50 --map=" + Path("out/map.ply")).out);
+  EXPECT_GT(map["planes"]["landmarks"].size(), 3u);
+  EXPECT_LT(map["planes"]["laser_on_laser"]["rms"], 0.05);
 }
 
 TEST_F(Jobs, MapAsJsonIsTheReport) {
@@ -202,6 +220,67 @@ TEST_F(Jobs, PositionsOnALineHaveNoAlignment) {
   EXPECT_EQ(RunTool(both + " --align=se3").exit_code, 3);
   EXPECT_EQ(RunTool(both + " --align=first").exit_code, 0);
   EXPECT_EQ(RunTool(both + " --align=crooked").exit_code, 1);
+}
+
+// A curve of 12 poses whose quaternions are written by `write`.
+std::string CurveTum(const std::function<std::string(double c, double s)>& write) {
+  std::ostringstream text;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 0.3 * i;
+    text << i << ' ' << 5 * std::cos(angle) << ' ' << 3 * std::sin(angle) << ' ' << 0.1 * i << ' '
+         << write(std::cos(angle / 2), std::sin(angle / 2)) << '\n';
+  }
+  return text.str();
+}
+
+TEST_F(Jobs, AFrames2tumFileIsWarnedAbout) {
+  const auto join = [](double a, double b, double c, double d) {
+    std::ostringstream text;
+    text << a << ' ' << b << ' ' << c << ' ' << d;
+    return text.str();
+  };
+  const std::string clean =
+      Write("clean.tum", CurveTum([&](double c, double s) { return join(0, 0, s, c); }));
+  const std::string doctored =
+      Write("frames2tum.tum", CurveTum([&](double c, double s) { return join(-c, 0, 0, s); }));
+  const std::string start = "evaluate --json --reference=" + clean + " --estimate=";
+  const Outcome good = RunTool(start + clean), bad = RunTool(start + doctored);
+  EXPECT_THAT(good.err, Not(HasSubstr("frames2tum writes")));
+  EXPECT_THAT(bad.err, HasSubstr("frames2tum writes"));
+  EXPECT_EQ(bad.exit_code, 0);
+  const auto json = nlohmann::json::parse(bad.out);
+  EXPECT_THAT(json["warnings"].dump(), HasSubstr("frames2tum writes"));
+  EXPECT_EQ(json["ate"]["interval"]["level"], 0.95);
+  EXPECT_EQ(json["ate"]["interval"]["blocks"], 12);
+}
+
+TEST_F(Jobs, ComparisonsTakeEqualSets) {
+  const auto identity = [](double, double) { return std::string("0 0 0 1"); };
+  const std::string all = Write("all.tum", CurveTum(identity));
+  const std::string lines = CurveTum(identity);
+  const std::string part = Write("part.tum", lines.substr(0, lines.find("\n9 ") + 1));
+  const std::string start = "evaluate --json --reference=" + all + " --estimate=" + all;
+  const Outcome same = RunTool(start + " --compare=" + all);
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_EQ(nlohmann::json::parse(same.out)["compare"]["difference"]["ate"]["rmse"], 0.0);
+  const Outcome unequal = RunTool(start + " --compare=" + part);
+  EXPECT_EQ(unequal.exit_code, 2);
+  EXPECT_THAT(unequal.err, HasSubstr("cannot be compared"));
+  EXPECT_EQ(RunTool("evaluate --map=a.ply --compare=" + all).exit_code, 1);
+}
+
+TEST_F(Jobs, PlotsNeedGnuplot) {
+  const std::string all =
+      Write("all.tum", CurveTum([](double, double) { return std::string("0 0 0 1"); }));
+  const std::string start = "evaluate --quiet --reference=" + all + " --estimate=" + all;
+  EXPECT_EQ(RunTool(start + " --plot=" + Path("plot.png")).exit_code, 1);
+  const Outcome outcome = RunTool(start + " --plot=" + Path("plot.svg"));
+  if (outcome.exit_code == 2) {
+    EXPECT_THAT(outcome.err, HasSubstr("the program gnuplot is not installed"));
+    GTEST_SKIP() << "gnuplot is not here";
+  }
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(ReadTextFile(Path("plot.svg")), HasSubstr("</svg>"));
 }
 
 }  // namespace
