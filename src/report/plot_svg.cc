@@ -36,10 +36,13 @@ Axes Fit(const std::vector<PlotLine>& lines, bool logarithmic) {
     first = std::min(first, line.first);
     last = std::max(last, line.first + static_cast<double>(line.values.size()) - 1.0);
   }
-  axes.logarithmic = logarithmic && low > 1e-12;
+  constexpr double kLeastRatio = 5.0;  // below, a logarithmic axis has hardly a round number
+  const bool positive = logarithmic && low > 1e-12;
+  axes.logarithmic = positive && high > kLeastRatio * low;
   axes.x_low = first;
   axes.x_high = std::max(last, first + 1.0);
-  axes.y_low = axes.logarithmic ? std::log10(low) - 0.05 : std::min(low, 0.0);
+  axes.y_low = positive ? low - 0.1 * (high - low) : std::min(low, 0.0);
+  if (axes.logarithmic) axes.y_low = std::log10(low) - 0.05;
   axes.y_high = axes.logarithmic ? std::log10(high) + 0.05 : high;
   if (!(axes.y_high - axes.y_low > 1e-12)) axes.y_high = axes.y_low + 1.0;
   return axes;

@@ -18,8 +18,9 @@ struct PlotText {
   std::string up;      ///< of the y axis, with its unit
 };
 
-/// A plot as SVG in the page's style. The y axis begins at zero, or is logarithmic where
-/// `logarithmic` and all values are positive. Empty where there are no values.
+/// A plot as SVG in the page's style. The y axis begins at zero; with `logarithmic` and positive
+/// values it is logarithmic where these differ much, and else begins at the least of them. Values
+/// that are not finite are left out. Empty where there are no values.
 std::string PlotHtml(const std::vector<PlotLine>& lines, const PlotText& text, bool logarithmic);
 
 }  // namespace planegraph

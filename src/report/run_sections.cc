@@ -94,8 +94,9 @@ std::string CostPlot(const Json& solve) {
   const std::string plot = PlotHtml(lines, {"Cost of each iteration", "iteration", "cost"}, true);
   if (plot.empty()) return "";
   return plot +
-         "<p class=\"note\">Cost of each iteration. A line is one solve; between two lines the "
-         "surfaces were paired anew, so their costs are different sums.</p>\n";
+         "<p class=\"note\">Cost of each iteration. A line is one solve; where surfaces were "
+         "paired "
+         "anew before it, its costs are another sum.</p>\n";
 }
 
 // ---- times ----

@@ -127,10 +127,10 @@ std::string WeakestOf(const Json& r) {
   const auto covariance = CovarianceOf(r);
   if (!covariance) return kDash;
   const Weakest weakest = WeakestAxis(*covariance, 0);
-  OpenDirection words;
-  words.axis = weakest.axis;
-  return InWords(words) +
-         (weakest.sigma < kUnknown ? ": " + Fixed(1000.0 * weakest.sigma, 1) + " mm" : ": open");
+  std::string axis;
+  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ", " : "") + Fixed(weakest.axis[k], 1);
+  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + " mm" : "open") +
+         " along (" + axis + ")";
 }
 
 std::string NoteText(const Json& r) {
