@@ -11,7 +11,7 @@ macro(run)
   execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE result OUTPUT_VARIABLE log ERROR_VARIABLE log)
   set(FAILURE "")
   if(NOT result EQUAL 0)
-    set(FAILURE "${log}")
+    set(FAILURE "${result}: ${log}")
   endif()
 endmacro()
 

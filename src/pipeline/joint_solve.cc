@@ -85,6 +85,7 @@ void Rounds(const JointProblem& problem, const MapOptions& options, const MapWei
   for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
     Graph graph = BuildGraph(problem, *solution, *association, weights);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
+    solution->costs.push_back(solution->summary.costs);
     const double move = LargestMove(PosesOf(graph), solution->world_from_scan, component);
     last = association->gate <= rest.last_gate && move < rest.stable;
     TakeOver(std::move(graph), solution);
@@ -99,6 +100,7 @@ void FinishSolve(const MapOptions& options, const std::vector<int>& component, d
   const double initial_cost = solution->summary.initial_cost;
   solution->summary =
       Solve(&solution->graph, RoundOptions(options, true, HeldByPriors(solution->graph)));
+  solution->costs.push_back(solution->summary.costs);
   solution->summary.initial_cost = initial_cost;
   solution->last_move = LargestMove(PosesOf(solution->graph), solution->world_from_scan, component);
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses

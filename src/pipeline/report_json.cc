@@ -42,6 +42,9 @@ Json UnobservedJson(const std::vector<UnobservedDirection>& unobserved) {
   return list;
 }
 
+// Of a registration's measurements (heights of pairs of surfels) less its unknowns.
+int Redundancy(std::size_t pairs) { return std::max(0, static_cast<int>(pairs) - 6); }
+
 Json AnchoredTo(const MapResult& result, std::size_t scan) {
   Json names = Json::array();
   for (const auto& pair : result.map_pairs) {
@@ -89,8 +92,11 @@ Json MapPairJson(const MapResult& result, const MapPairRecord& pair) {
                {"reason", pair.reason},
                {"correspondences", pair.correspondences},
                {"surfels", pair.refinement.residuals.size()},
+               {"redundancy", Redundancy(pair.refinement.residuals.size())},
                {"rms", nullptr},
+               {"tilt_rms", nullptr},
                {"floor", Number(pair.refinement.floor)},
+               {"covariance", nullptr},
                {"quality", pair.evidence.agree},
                {"target_from_source",
                 SimilarityJson(map.metric_from_map.Inverse() * pair.refinement.map_from_group)},
@@ -99,6 +105,7 @@ Json MapPairJson(const MapResult& result, const MapPairRecord& pair) {
                {"used", pair.used}};
   if (!pair.refinement.residuals.empty()) {
     json["rms"] = MeasureMapErrors(pair.refinement.residuals).sigma;
+    json["covariance"] = MatrixJson(pair.refinement.covariance.topLeftCorner<6, 6>());
   }
   return json;
 }
@@ -111,6 +118,16 @@ Json GeoreferenceJson(const Georeference& g) {
           {"rms", Number(g.rms)},
           {"inliers", g.inliers.size()},
           {"fixes", g.fixes.size()}};
+}
+
+// Where the pictures were taken, in the world.
+Json CamerasJson(const MapRecord& map, const Sim3& world_from_map) {
+  Json list = Json::array();
+  if (!map.georeference) return list;
+  for (const CameraFix& fix : map.georeference->fixes) {
+    list.push_back(Array(Eigen::Vector3d(world_from_map * fix.centre_in_map)));
+  }
+  return list;
 }
 
 Json MapJson(const MapResult& result, std::size_t m) {
@@ -127,6 +144,7 @@ Json MapJson(const MapResult& result, std::size_t m) {
                {"georeference", nullptr},
                {"seconds", {{"read", map.seconds_read}, {"segment", map.seconds_segment}}}};
   if (map.georeference) json["georeference"] = GeoreferenceJson(*map.georeference);
+  json["cameras"] = CamerasJson(map, result.solution.world_from_metric[m] * map.metric_from_map);
   // Without a scan in it the joint solve says nothing of a map.
   const bool joined = std::any_of(result.map_pairs.begin(), result.map_pairs.end(),
                                   [m](const auto& pair) { return pair.used && pair.map == m; });
@@ -152,6 +170,7 @@ Json OriginJson(const MapResult& result) {
 
 Json PairJson(const MapResult& result, const PairRecord& pair) {
   const Registration& r = pair.registration;
+  const bool found = r.refinement.pairs > 0;
   return {{"target", result.scans[pair.target].id},
           {"source", result.scans[pair.source].id},
           {"kind", "laser-laser"},
@@ -159,7 +178,10 @@ Json PairJson(const MapResult& result, const PairRecord& pair) {
           {"reason", r.reason},
           {"correspondences", r.refinement.correspondences.size()},
           {"surfels", r.refinement.pairs},
+          {"redundancy", Redundancy(static_cast<std::size_t>(r.refinement.pairs))},
           {"rms", Number(r.refinement.rms)},
+          {"tilt_rms", r.refinement.tilt_rms > 0 ? Json(r.refinement.tilt_rms) : Json(nullptr)},
+          {"covariance", found ? MatrixJson(r.refinement.covariance) : Json(nullptr)},
           {"floor", Number(r.refinement.floor)},
           {"quality", r.quality},
           {"target_from_source", PoseJson(r.target_from_source())},
@@ -178,6 +200,8 @@ Json SolveJson(const MapResult& result, const MapOptions& options) {
           {"initial_cost", s.summary.initial_cost},
           {"final_cost", s.summary.final_cost},
           {"iterations", s.summary.iterations},
+          {"costs", s.costs},
+          {"redundancy", s.summary.DegreesOfFreedom()},
           {"rounds", s.rounds},
           {"last_move", s.last_move},
           {"converged", s.summary.converged},
@@ -197,6 +221,8 @@ Json ErrorsJson(const PoseErrors& errors) {
   Json json = StatisticsJson(errors.translation);
   json["rotation"] = StatisticsJson(errors.rotation);
   json["count"] = errors.count;
+  json["each"] = errors.translation_errors;
+  json["rotation"]["each"] = errors.rotation_errors;
   return json;
 }
 
@@ -253,6 +279,35 @@ void Evaluate(const MapResult& result, std::size_t robot, Json* report) {
   }
 }
 
+Json FiltersJson(const RobotSite& robot) {
+  Json list = Json::array();
+  for (const FilterStep& step : robot.filters) list.push_back({{step.name, step.parameters}});
+  return list;
+}
+
+// What was in effect, defaults included.
+Json ConfigurationJson(const MapResult& result, const MapOptions& options) {
+  const SegmentationOptions& segmentation = options.segmentation;
+  Json json = {{"optimizer", options.optimizer},
+               {"plane_factor", options.plane_factor},
+               {"loss", options.loss.ToString()},
+               {"neighbours_per_scan", options.neighbours_per_scan},
+               {"most_rounds", options.most_rounds},
+               {"segmentation",
+                {{"cell_size", segmentation.cell_size},
+                 {"min_points", segmentation.min_points},
+                 {"min_area", segmentation.min_area}}}};
+  for (const RobotSite& robot : result.site.robots) {
+    json["robots"][robot.name] = {{"scans", robot.scans.size()},
+                                  {"format", robot.format},
+                                  {"odometry", robot.odometry.has_value()},
+                                  {"start", robot.start.has_value()},
+                                  {"reference", !robot.reference.empty()},
+                                  {"filters", FiltersJson(robot)}};
+  }
+  return json;
+}
+
 std::uint64_t PeakMemoryBytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -283,6 +338,7 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
       {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},
       {"solve", result.seconds.solve},          {"covariance", result.seconds.covariance},
       {"output", result.seconds.output}};
+  report["configuration"] = ConfigurationJson(result, options);
   report["peak_memory_bytes"] = PeakMemoryBytes();
   return report.dump(1);
 }

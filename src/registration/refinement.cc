@@ -63,7 +63,7 @@ class Refiner {
   Normal Linearize(const Rigid3& pose, double gate, double floor_variance, bool detailed) const;
   void AddDetails(const Surfel& target, const Surfel& source, double weight,
                   const Vector6d& jacobian, Normal* out) const;
-  double TiltFloor(const Rigid3& pose, const Normal& normal) const;
+  void MeasureTilts(const Rigid3& pose, const Normal& normal, Refinement* result) const;
   void AddPrior(const Rigid3& pose, Normal* normal) const;
   Vector6d Step(const Normal& normal) const;
   void Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const;
@@ -166,9 +166,9 @@ Refinement Refiner::Run(Rigid3 pose) const {
   return result;
 }
 
-// Tilt between the planes that were paired, beyond what their own covariances explain, radians: the
-// median again, over both in-plane axes of pairs that several surfels have confirmed.
-double Refiner::TiltFloor(const Rigid3& pose, const Normal& normal) const {
+// Tilt between the planes that were paired, and what of it is beyond what their own covariances
+// explain: the median again, over both in-plane axes of pairs that several surfels have confirmed.
+void Refiner::MeasureTilts(const Rigid3& pose, const Normal& normal, Refinement* result) const {
   constexpr int kConfirmed = 4;
   std::vector<double> squares, expected;
   for (const auto& [pair, count] : normal.plane_pairs) {
@@ -181,8 +181,10 @@ double Refiner::TiltFloor(const Rigid3& pose, const Normal& normal) const {
       expected.push_back(t.covariance(k - 1, k - 1) + s.covariance(k - 1, k - 1));
     }
   }
-  if (squares.size() < 8) return 0.0;
-  return std::sqrt(std::max(0.0, Median(squares) / 0.455 - Median(expected)));
+  if (squares.size() < 8) return;
+  const double variance = Median(squares) / 0.455;
+  result->tilt_rms = std::sqrt(variance);
+  result->tilt_floor = std::sqrt(std::max(0.0, variance - Median(expected)));
 }
 
 void Refiner::Summarize(Normal last, const Rigid3& pose, double floor, Refinement* result) const {
@@ -192,7 +194,7 @@ void Refiner::Summarize(Normal last, const Rigid3& pose, double floor, Refinemen
   result->pairs = last.pairs;
   result->floor = std::sqrt(floor);
   result->rms = std::sqrt(last.Variance());
-  result->tilt_floor = TiltFloor(pose, last);
+  MeasureTilts(pose, last, result);
   const Eigen::Vector3d variances(floor, std::pow(result->tilt_floor, 2),
                                   std::pow(result->tilt_floor, 2));
   Matrix6d shared = Matrix6d::Zero();

@@ -18,22 +18,6 @@ std::optional<Eigen::Vector3d> PositionOf(const Json& scan) {
   return position;
 }
 
-// Six rows of six, or 36 numbers in a row.
-std::optional<Matrix6> CovarianceOf(const Json& scan) {
-  const Json& list = ListAt(scan, {"covariance"});
-  Json flat = Json::array();
-  for (const Json& item : list) {
-    if (item.is_array()) {
-      flat.insert(flat.end(), item.begin(), item.end());
-    } else {
-      flat.push_back(item);
-    }
-  }
-  const auto numbers = NumbersAt({{"covariance", flat}}, {"covariance"}, 36);
-  if (!numbers) return std::nullopt;
-  return Matrix6(Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers->data()));
-}
-
 std::size_t IndexOf(const std::string& robot, std::vector<std::string>* robots) {
   const auto found = std::find(robots->begin(), robots->end(), robot);
   if (found != robots->end()) return static_cast<std::size_t>(found - robots->begin());
@@ -57,6 +41,22 @@ std::string AxisText(const Eigen::Vector3d& axis) {
 }
 
 }  // namespace
+
+// Six rows of six, or 36 numbers in a row.
+std::optional<Matrix6> CovarianceOf(const Json& owner) {
+  const Json& list = ListAt(owner, {"covariance"});
+  Json flat = Json::array();
+  for (const Json& item : list) {
+    if (item.is_array()) {
+      flat.insert(flat.end(), item.begin(), item.end());
+    } else {
+      flat.push_back(item);
+    }
+  }
+  const auto numbers = NumbersAt({{"covariance", flat}}, {"covariance"}, 36);
+  if (!numbers) return std::nullopt;
+  return Matrix6(Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers->data()));
+}
 
 const ReportScan* ReportData::Find(const std::string& id) const {
   for (const ReportScan& scan : scans) {

@@ -36,6 +36,9 @@ struct OpenDirection {
   std::string held_by;          ///< empty: nothing
 };
 
+/// The 6x6 matrix under `covariance` of a scan or a registration, NaN where infinite.
+std::optional<Matrix6> CovarianceOf(const Json& owner);
+
 /// A report's JSON with what was read from it. The JSON outlives it.
 struct ReportData {
   const Json* json = nullptr;

@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "report/html.h"
+#include "report/marks_svg.h"
+#include "report/plot_svg.h"
 #include "report/sections.h"
 
 namespace planegraph {
@@ -53,6 +55,48 @@ void AddErrors(const std::string& robot, const char* what, const Json& errors,
   }
   cells.push_back(conventions);
   table->Row(cells);
+}
+
+std::vector<double> FiniteNumbers(const Json& list, double factor) {
+  std::vector<double> numbers;
+  for (const Json& value : list) {
+    if (value.is_number()) numbers.push_back(factor * value.get<double>());
+  }
+  return numbers;
+}
+
+std::string LineKey(const std::string& style, const std::string& text) {
+  return LegendItem("<path class=\"way " + style + "\" d=\"M1 7H27\"/>", text);
+}
+
+// The errors of one robot, pose by pose and step by step.
+std::string ErrorsPlot(const std::string& robot, const Json& errors) {
+  const std::string plot =
+      PlotHtml({{"r0", 0.0, FiniteNumbers(ListAt(errors, {"ate", "each"}), 1000.0)},
+                {"r1", 0.0, FiniteNumbers(ListAt(errors, {"rpe", "each"}), 1000.0)}},
+               {"Errors of " + robot + " along its way", "pose", "error of position [mm]"}, false);
+  if (plot.empty()) return "";
+  return plot + "<ul class=\"legend\">" + LineKey("r0", "ATE of " + Escape(robot)) +
+         LineKey("r1", "RPE, from this pose to the next") + "</ul>\n";
+}
+
+// ---- solve ----
+
+// Costs of different rounds are sums over different pairs of surfaces: each round is a line.
+std::string CostPlot(const Json& solve) {
+  std::vector<PlotLine> lines;
+  double next = 0.0;
+  for (const Json& round : ListAt(solve, {"costs"})) {
+    if (!round.is_array()) continue;
+    lines.push_back({RobotClass(lines.size() % 2), next, FiniteNumbers(round, 1.0)});
+    next += static_cast<double>(lines.back().values.size());
+  }
+  const std::string plot = PlotHtml(lines, {"Cost of each iteration", "iteration", "cost"}, true);
+  if (plot.empty()) return "";
+  return plot +
+         "<p class=\"note\">Cost of each iteration. A line is one solve; where surfaces were "
+         "paired "
+         "anew before it, its costs are another sum.</p>\n";
 }
 
 // ---- times ----
@@ -153,15 +197,17 @@ std::string EvaluationHtml(const ReportData& data) {
                    {"rotation rmse", "deg"},
                    {"rotation max", "deg"},
                    {"conventions", "", false}});
+  std::string plots;
   const Json& evaluation = Get(*data.json, {"evaluation"});
   if (evaluation.is_object()) {
     for (const auto& [robot, errors] : evaluation.items()) {
+      plots += ErrorsPlot(robot, errors);
       const Json &ate = Get(errors, {"ate"}), &rpe = Get(errors, {"rpe"});
       AddErrors(robot, "ATE", ate, AteConventions(ate), &table);
       AddErrors(robot, "RPE", rpe, RpeConventions(rpe), &table);
     }
   }
-  return Section("Errors against the reference", table.Html("Table of the errors"));
+  return Section("Errors against the reference", table.Html("Table of the errors") + plots);
 }
 
 std::string SolveHtml(const ReportData& data) {
@@ -177,13 +223,14 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("rounds of association", GroupedOrDash(NumberAt(solve, {"rounds"})));
   facts.Add("converged", !converged ? kDash : *converged ? "yes" : "no");
   facts.Add("plane landmarks", GroupedOrDash(NumberAt(solve, {"landmarks"})));
+  facts.Add("redundancy", GroupedOrDash(NumberAt(solve, {"redundancy"})));
   facts.Add("observations of them", GroupedOrDash(NumberAt(solve, {"observations"})));
   const auto offset = NumberAt(solve, {"floor_offset"}), tilt = NumberAt(solve, {"floor_tilt"});
   if (offset) facts.Add("noise floor, offset", Fixed(*offset * 1000.0, 2) + " mm");
   if (tilt) facts.Add("noise floor, tilt", Fixed(*tilt * kDegrees, 4) + "°");
   const auto seconds = NumberAt(solve, {"seconds"});
   if (seconds) facts.Add("time", Fixed(*seconds, 3) + " s");
-  return Section("Solve", facts.Html());
+  return Section("Solve", CostPlot(solve) + facts.Html());
 }
 
 std::string TimesHtml(const ReportData& data) {

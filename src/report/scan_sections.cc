@@ -121,6 +121,18 @@ std::string CorrespondencesText(const Json& r) {
   return GroupedOrDash(NumberAt(r, {"correspondences"}));
 }
 
+// The direction that a registration knows least of, with its standard deviation.
+std::string WeakestOf(const Json& r) {
+  constexpr double kUnknown = 100.0;  // metres: beyond, nothing but the solver's damping holds it
+  const auto covariance = CovarianceOf(r);
+  if (!covariance) return kDash;
+  const Weakest weakest = WeakestAxis(*covariance, 0);
+  std::string axis;
+  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ", " : "") + Fixed(weakest.axis[k], 1);
+  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + " mm" : "open") +
+         " along (" + axis + ")";
+}
+
 std::string NoteText(const Json& r) {
   std::string note = Escape(TextAt(r, {"reason"}));
   for (const OpenDirection& open : OpenDirections(r)) {
@@ -141,13 +153,15 @@ std::string UsedText(const std::optional<bool>& used) {
 }
 
 void AddRegistration(const Json& r, HtmlTable* table) {
-  table->Row(
-      {TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
-       TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})), CorrespondencesText(r),
-       FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0), FixedOrDash(NumberAt(r, {"quality"}), 2),
-       UsedText(FlagAt(r, {"used"})), FixedOrDash(NumberAt(r, {"seconds"}), 3), NoteText(r)},
-      FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
-      ViewAttribute("registration", table->rows()));
+  table->Row({TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
+              TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})),
+              UsedText(FlagAt(r, {"used"})), CorrespondencesText(r),
+              GroupedOrDash(NumberAt(r, {"surfels"})), FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0),
+              FixedOrDash(NumberAt(r, {"tilt_rms"}), 2, 1000.0),
+              GroupedOrDash(NumberAt(r, {"redundancy"})), FixedOrDash(NumberAt(r, {"quality"}), 2),
+              FixedOrDash(NumberAt(r, {"seconds"}), 3), WeakestOf(r), NoteText(r)},
+             FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
+             ViewAttribute("registration", table->rows()));
 }
 
 }  // namespace
@@ -191,12 +205,16 @@ std::string RegistrationsHtml(const ReportData& data) {
                    {"source", "", false},
                    {"kind", "", false},
                    {"status", "", false},
-                   {"pairs of planes", ""},
-                   {"residual", "mm"},
-                   {"quality", ""},
                    {"used", "", false},
+                   {"pairs of planes", ""},
+                   {"of patches", ""},
+                   {"residual", "mm"},
+                   {"tilt", "mrad"},
+                   {"redundancy", ""},
+                   {"quality", ""},
                    {"time", "s"},
-                   {"note", "", false}});
+                   {"weakest direction", "", false},
+                   {"why not used, and what is open", "", false}});
   for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
   return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
 }

@@ -75,6 +75,7 @@ ul.legend {
 ul.legend li { display: flex; align-items: center; gap: .4rem; }
 svg.key { width: 28px; height: 14px; flex: none; }
 svg.plan { display: block; width: 100%; max-width: calc(var(--w) * 1px); min-width: calc(var(--w) * .55px); height: auto; font-size: 12.5px; }
+svg.plot { display: block; width: 100%; max-width: 640px; min-width: 20rem; height: auto; font-size: 12.5px; }
 svg.bar { display: block; width: 100%; height: 1.6rem; border-radius: 4px; }
 .grid { stroke: var(--grid); } .border { fill: none; stroke: var(--line); }
 .tick { fill: var(--quiet); }

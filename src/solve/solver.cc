@@ -135,6 +135,9 @@ void Fill(const ceres::Solver::Summary& ceres_summary, SolveSummary* summary) {
   summary->initial_cost = ceres_summary.initial_cost;
   summary->final_cost = ceres_summary.final_cost;
   summary->iterations = static_cast<int>(ceres_summary.iterations.size()) - 1;
+  for (const ceres::IterationSummary& step : ceres_summary.iterations) {
+    if (step.iteration == 0 || step.step_is_successful) summary->costs.push_back(step.cost);
+  }
   summary->residual_count = ceres_summary.num_residuals;
   summary->parameter_count = ceres_summary.num_effective_parameters_reduced;
   summary->message = ceres_summary.message;

@@ -58,6 +58,21 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
   EXPECT_THAT(page, HasSubstr("huber:1"));
 }
 
+TEST_F(HtmlReport, ShowsWhatARegistrationIsWorth) {
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">345</td><td class=\"n\">4.2</td>"
+                              "<td class=\"n\">1.23</td><td class=\"n\">339</td>"));
+  EXPECT_THAT(page, HasSubstr("3.0 mm along (1.0, 0.0, 0.0)"));  // sqrt(9e-6) m
+}
+
+TEST_F(HtmlReport, PlotsCostsAndErrors) {
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_THAT(page, HasSubstr("aria-label=\"Cost of each iteration\""));
+  EXPECT_THAT(page, HasSubstr("<title>10.25</title>"));
+  EXPECT_THAT(page, HasSubstr("aria-label=\"Errors of ugv along its way\""));
+  EXPECT_THAT(page, HasSubstr("<title>8.000</title>"));  // mm
+}
+
 TEST_F(HtmlReport, ShowsTheDroneMap) {
   const std::string page = ReportOf(SampleReport().dump());
   EXPECT_EQ(FirstFault(page), "");

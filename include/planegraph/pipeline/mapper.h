@@ -37,6 +37,7 @@ struct JointSolution {
   std::vector<Sim3> world_from_metric;  ///< of each map
   Graph graph;                          ///< with the landmarks of the last round
   SolveSummary summary;
+  std::vector<std::vector<double>> costs;  ///< of every solve: each has an association of its own
   double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
   int rounds = 0;
   double last_move = 0.0;  ///< metres: how far the last solve moved a pose at most

@@ -42,6 +42,7 @@ struct Refinement {
   double floor = 0.0;       ///< height error that the noise model does not explain, metres
   double tilt_floor = 0.0;  ///< likewise of the planes' normals, radians
   double rms = 0.0;         ///< of the residuals, metres
+  double tilt_rms = 0.0;    ///< of the angles between paired planes, radians; 0: too few to tell
   /// Covariance (INTERFACE order) with the floor as an error that all surfels of one segment share:
   /// a bent scan does not average out over the points of a wall. Singular directions: see Register.
   Matrix6d covariance = Matrix6d::Zero();

@@ -44,10 +44,11 @@ struct SolveSummary {
       false;  ///< the graph holds a solution (converged, or the last step of the iterations)
   double initial_cost = 0.0, final_cost = 0.0;  ///< 0.5 * sum of weight * rho(|r|^2)
   int iterations = 0;
-  int residual_count = 0;   ///< scalar residuals
-  int parameter_count = 0;  ///< tangent dimensions that are not fixed
-  double seconds = 0.0;     ///< wall time, building included
-  std::string message;      ///< of Ceres
+  std::vector<double> costs;  ///< the start's, then of each step that was kept
+  int residual_count = 0;     ///< scalar residuals
+  int parameter_count = 0;    ///< tangent dimensions that are not fixed
+  double seconds = 0.0;       ///< wall time, building included
+  std::string message;        ///< of Ceres
   std::string linear_solver;
   std::vector<ResidualReport> residuals;  ///< in the order of planes, observations, pose factors
 

@@ -36,6 +36,19 @@ function makePoints(points, colours, clip) {
   return object;
 }
 
+// The chosen points once more, over everything else: what is inside a hall shows through its roof.
+function makeChosen(points) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', points.geometry.attributes.position);
+  geometry.setAttribute('color', points.geometry.attributes.color);
+  const object = new Points(geometry, points.material);
+  object.frustumCulled = false;
+  object.visible = false;
+  object.renderOrder = 1;
+  object.onBeforeRender = (renderer) => renderer.clearDepth();
+  return object;
+}
+
 // A convex polygon as a fan of triangles.
 function outlineMesh(corners, material) {
   const indices = [];
@@ -120,17 +133,27 @@ export class Stage {
     this.clip = new Plane(new Vector3(0, 0, -1), scene.extent[2]);
     this.colours = new Uint8Array(3 * points.count);
     this.points = makePoints(points, this.colours, this.clip);
+    this.chosen = makeChosen(this.points);
     this.planes = makePlanes(scene, this.clip);
     this.ways = makeWays(scene, frame);
+    this.ways.renderOrder = 2;
     this.cameras = makeCameras(scene, frame);
     this.mark = makePickMark();
-    this.scene.add(this.points, this.planes, this.ways, this.cameras, this.mark);
+    this.scene.add(this.points, this.chosen, this.planes, this.ways, this.cameras, this.mark);
     this.pointSize = 1.5;  // CSS pixels
     this.pending = false;
   }
 
   coloursChanged() {
     this.points.geometry.attributes.color.needsUpdate = true;
+    this.draw();
+  }
+
+  /// Draws the points with these indices over all others; null: none is chosen.
+  choosePoints(indices) {
+    this.chosen.visible = indices !== null;
+    this.chosen.geometry.setIndex(
+      indices === null ? null : new BufferAttribute(Uint32Array.from(indices), 1));
     this.draw();
   }
 

@@ -144,8 +144,19 @@ export class Viewer {
     this.choice = choice;
     const scans = choice === null ? null : Object.values(choice);
     this.stage.showPlanesOf(scans);
+    this.stage.choosePoints(scans === null ? null : this.pointsOf(scans));
     this.repaint();
     this.box.dataset.choice = choice === null ? '' : JSON.stringify(choice);
+  }
+
+  // A drone map in a registration is the surroundings: only its scan stands out.
+  pointsOf(scans) {
+    const wanted = new Set(scans.filter((scan) => scan >= 0));
+    const indices = [];
+    for (let i = 0; i < this.points.count; i++) {
+      if (wanted.has(this.points.scans[i])) indices.push(i);
+    }
+    return indices;
   }
 
   backTo(origin) {
