@@ -2,6 +2,7 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -141,6 +142,11 @@ void SolveGraph(const Settings& settings, PoseGraph<Dim>* graph, Outcome* outcom
 template <int Dim>
 Outcome Optimize(const Settings& settings, const std::string& path, G2oGraph* file) {
   PoseGraph<Dim> graph = MakePoseGraph<Dim>(*file, path, settings.conversion);
+  if (FLAGS_certify && std::count(graph.fixed.begin(), graph.fixed.end(), true) > 1) {
+    throw InputError::InFile(path,
+                             "more than one pose is held (FIX, and the world where there are "
+                             "priors): --certify proves graphs with a free gauge alone");
+  }
   Outcome outcome;
   outcome.parts = CountParts(graph);
   const double begin = SecondsSinceStart();

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <tuple>
 
+#include "planegraph/base/disjoint_sets.h"
+#include "planegraph/base/median.h"
 #include "planegraph/geometry/moments.h"
 
 namespace planegraph {
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 using Cell = std::array<std::int64_t, 3>;
 using Surface = std::tuple<std::uint8_t, std::int32_t, std::int32_t>;  // vision, scan, plane
@@ -44,25 +47,6 @@ bool Agree(const Moments& a, const Moments& b, double cosine, double gate) {
   return std::abs(normal_a->dot(between)) < gate && std::abs(normal_b->dot(between)) < gate;
 }
 
-// Disjoint sets; the smallest member stands for each.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t Find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Join(std::size_t a, std::size_t b) {
-    a = Find(a), b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 void Accumulate(double squares, double points, ThicknessSum* sum) {
   sum->squares += squares;
   sum->points += points;
@@ -82,8 +66,8 @@ class ThicknessMeasure {
   bool IsVision(const Piece& piece) const { return std::get<0>(surfaces_[piece.surface]) != 0; }
   std::int32_t ScanOf(const Piece& piece) const { return std::get<1>(surfaces_[piece.surface]); }
   std::size_t CellEnd(std::size_t first) const;
-  void JoinInCell(std::size_t first, std::size_t last, Sets* sets) const;
-  void MeasureCell(std::size_t first, std::size_t last, Sets* sets);
+  void JoinInCell(std::size_t first, std::size_t last, DisjointSets* sets) const;
+  void MeasureCell(std::size_t first, std::size_t last, DisjointSets* sets);
   void MeasureLandmark(const std::vector<const Piece*>& laser, std::size_t first, std::size_t last,
                        LandmarkThickness* landmark) const;
 
@@ -126,7 +110,7 @@ std::size_t ThicknessMeasure::CellEnd(std::size_t first) const {
   return last;
 }
 
-void ThicknessMeasure::JoinInCell(std::size_t first, std::size_t last, Sets* sets) const {
+void ThicknessMeasure::JoinInCell(std::size_t first, std::size_t last, DisjointSets* sets) const {
   for (std::size_t a = first; a < last; ++a) {
     for (std::size_t b = a + 1; b < last; ++b) {
       const Piece &p = pieces_[a], &q = pieces_[b];
@@ -162,7 +146,7 @@ void ThicknessMeasure::MeasureLandmark(const std::vector<const Piece*>& laser, s
   }
 }
 
-void ThicknessMeasure::MeasureCell(std::size_t first, std::size_t last, Sets* sets) {
+void ThicknessMeasure::MeasureCell(std::size_t first, std::size_t last, DisjointSets* sets) {
   std::map<std::size_t, std::vector<const Piece*>> by_landmark;
   for (std::size_t i = first; i < last; ++i) {
     if (!IsVision(pieces_[i])) by_landmark[sets->Find(pieces_[i].surface)].push_back(&pieces_[i]);
@@ -177,7 +161,7 @@ void ThicknessMeasure::MeasureCell(std::size_t first, std::size_t last, Sets* se
 }
 
 std::vector<LandmarkThickness> ThicknessMeasure::Run() {
-  Sets sets(surfaces_.size());
+  DisjointSets sets(surfaces_.size());
   for (std::size_t i = 0; i < pieces_.size(); i = CellEnd(i)) JoinInCell(i, CellEnd(i), &sets);
   for (std::size_t i = 0; i < pieces_.size(); i = CellEnd(i)) MeasureCell(i, CellEnd(i), &sets);
   std::map<std::size_t, std::vector<std::int32_t>> scans;
@@ -207,18 +191,9 @@ std::optional<Interval> RmsInterval(const std::vector<BlockSum>& blocks, double 
   return interval;
 }
 
-double MedianThickness(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 }  // namespace
 
-double ThicknessSum::Rms() const {
-  return points > 0.0 ? std::sqrt(squares / points) : std::numeric_limits<double>::quiet_NaN();
-}
+double ThicknessSum::Rms() const { return points > 0.0 ? std::sqrt(squares / points) : kNone; }
 
 PlaneThickness ComputePlaneThickness(const LabelledCloud& map, const PlaneThicknessOptions& options,
                                      double level) {
@@ -240,8 +215,8 @@ PlaneThickness ComputePlaneThickness(const LabelledCloud& map, const PlaneThickn
     vision.push_back({seen.squares, seen.points});
     map_thickness.push_back(seen.Rms());
   }
-  result.laser_median = MedianThickness(std::move(laser_thickness));
-  result.map_median = MedianThickness(std::move(map_thickness));
+  result.laser_median = Median(std::move(laser_thickness), kNone);
+  result.map_median = Median(std::move(map_thickness), kNone);
   result.laser_interval = RmsInterval(laser, level);
   result.map_interval = RmsInterval(vision, level);
   return result;

@@ -98,6 +98,7 @@ class G2oParser {
     CheckEnds(graph_.edges2, edge2_lines_);
     CheckIds(graph_.priors3, prior3_lines_);
     CheckIds(graph_.priors2, prior2_lines_);
+    CheckOffsets();
     return std::move(graph_);
   }
 
@@ -124,10 +125,10 @@ class G2oParser {
       edge2_lines_.push_back(number);
     } else if (tag == kPrior3) {
       const long long id = fields.Id(), offset = fields.Id();
-      if (moved_offsets_.count(offset)) fields.Fail("its sensor offset is not the identity");
       const Rigid3 measurement = fields.Pose();
       graph_.priors3.push_back({id, measurement, fields.Information<Matrix6d>()});
       prior3_lines_.push_back(number);
+      prior3_offsets_.push_back(offset);
     } else if (tag == kPrior2) {
       const long long id = fields.Id();
       const Pose2 measurement = fields.PlanarPose();
@@ -171,6 +172,13 @@ class G2oParser {
   void CheckIds(const Priors& priors, const std::vector<std::size_t>& lines) const {
     for (std::size_t i = 0; i < priors.size(); ++i) CheckId(priors[i].id, lines[i]);
   }
+  // The offset may be defined after the prior.
+  void CheckOffsets() const {
+    for (std::size_t i = 0; i < prior3_offsets_.size(); ++i) {
+      if (!moved_offsets_.count(prior3_offsets_[i])) continue;
+      throw InputError::AtLine(file_, prior3_lines_[i], "its sensor offset is not the identity");
+    }
+  }
   void CheckId(long long id, std::size_t line) const {
     if (ids_.count(id)) return;
     throw InputError::AtLine(file_, line, "no vertex has the id " + std::to_string(id));
@@ -179,6 +187,7 @@ class G2oParser {
   const std::string& file_;
   G2oGraph graph_;
   std::unordered_set<long long> ids_, moved_offsets_;
+  std::vector<long long> prior3_offsets_;
   std::vector<std::size_t> edge3_lines_, edge2_lines_, prior3_lines_, prior2_lines_;
 };
 

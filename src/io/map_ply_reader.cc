@@ -12,7 +12,6 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 16384;
 constexpr std::size_t kBlockPoints = 16384;
 
 // The fields that MapPlyWriter writes, in its order.
@@ -42,14 +41,9 @@ bool IsOurs(const PlyHeader& header) {
 
 // The header of a file of ours, with the stream at the first record; nothing for any other.
 std::optional<PlyHeader> OpenOurs(std::istream* stream, const std::string& file) {
-  std::string start(kHeaderBytes, '\0');
-  stream->read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream->gcount()));
-  stream->clear();
-  if (!start.starts_with("ply\n") || start.find("\nend_header\n") == start.npos) return {};
-  PlyHeader header = ParsePlyHeader(start, file);
-  if (!IsOurs(header)) return {};
-  stream->seekg(static_cast<std::streamoff>(header.body));
+  std::optional<PlyHeader> header = ReadShortPlyHeader(stream, file);
+  if (!header || !IsOurs(*header)) return {};
+  stream->seekg(static_cast<std::streamoff>(header->body));
   return header;
 }
 

@@ -126,4 +126,14 @@ PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file) {
   return HeaderParser(bytes, file).Parse();
 }
 
+std::optional<PlyHeader> ReadShortPlyHeader(std::istream* stream, const std::string& file) {
+  constexpr std::size_t kMostBytes = 16384;
+  std::string start(kMostBytes, '\0');
+  stream->read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream->gcount()));
+  stream->clear();
+  if (!start.starts_with("ply\n") || start.find("\nend_header\n") == start.npos) return {};
+  return ParsePlyHeader(start, file);
+}
+
 }  // namespace planegraph

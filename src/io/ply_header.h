@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <istream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,5 +41,9 @@ struct PlyHeader {
 
 /// Throws InputError with the line.
 PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file);
+
+/// The header at the stream's place, if it is that of a PLY and short (16 kB); the stream then
+/// stands somewhere behind it. Throws as ParsePlyHeader.
+std::optional<PlyHeader> ReadShortPlyHeader(std::istream* stream, const std::string& file);
 
 }  // namespace planegraph

@@ -10,18 +10,14 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 16384;
 constexpr std::size_t kBlockPoints = 16384;
 
 // The header of a file in the form that WriteCloud and MapPlyWriter give it: vertices first, binary
 // records of one size, floats beside an offset, nothing missing at the end.
 std::optional<PlyHeader> PlainHeader(std::ifstream* stream, const std::string& path) {
-  std::string start(kHeaderBytes, '\0');
-  stream->read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream->gcount()));
-  stream->clear();
-  if (!start.starts_with("ply\n") || start.find("\nend_header\n") == start.npos) return {};
-  const PlyHeader header = ParsePlyHeader(start, path);
+  const auto found = ReadShortPlyHeader(stream, path);
+  if (!found) return {};
+  const PlyHeader& header = *found;
   if (header.encoding != PlyEncoding::kLittleEndian || !header.offset) return {};
   if (header.elements.empty()) return {};
   const PlyElement& vertex = header.elements.front();

@@ -4,10 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "pipeline/graph_building.h"
+#include "planegraph/base/disjoint_sets.h"
 #include "planegraph/solve/covariance.h"
 
 namespace planegraph {
@@ -179,26 +179,17 @@ std::vector<int> Components(std::size_t scans, const std::vector<PairRecord>& pa
                             const std::vector<MapPairRecord>& map_pairs) {
   std::size_t nodes = scans;
   for (const auto& pair : map_pairs) nodes = std::max(nodes, scans + pair.map + 1);
-  std::vector<int> root(nodes);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  const auto join = [&](std::size_t one, std::size_t other) {
-    const int a = find(static_cast<int>(one)), b = find(static_cast<int>(other));
-    root[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets sets(nodes);
   for (const auto& pair : pairs) {
-    if (pair.used) join(pair.target, pair.source);
+    if (pair.used) sets.Join(pair.target, pair.source);
   }
   for (const auto& pair : map_pairs) {
-    if (pair.used) join(pair.scan, scans + pair.map);
+    if (pair.used) sets.Join(pair.scan, scans + pair.map);
   }
   std::vector<int> number(nodes, -1), component(scans);
   int next = 0;
   for (std::size_t i = 0; i < scans; ++i) {
-    int& n = number[find(static_cast<int>(i))];
+    int& n = number[sets.Find(i)];
     if (n < 0) n = next++;
     component[i] = n;
   }

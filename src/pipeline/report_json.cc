@@ -104,7 +104,8 @@ Json MapPairJson(const MapResult& result, const MapPairRecord& pair) {
                {"seconds", pair.seconds},
                {"used", pair.used}};
   if (!pair.refinement.residuals.empty()) {
-    json["rms"] = MeasureMapErrors(pair.refinement.residuals).sigma;
+    const MapErrors errors = MeasureMapErrors(pair.refinement.residuals);
+    if (errors.measured) json["rms"] = errors.sigma;
     json["covariance"] = MatrixJson(pair.refinement.covariance.topLeftCorner<6, 6>());
   }
   return json;

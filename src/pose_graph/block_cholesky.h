@@ -16,7 +16,6 @@ class BlockPattern {
   BlockPattern(int size, const std::vector<std::pair<int, int>>& pairs);
 
   int size() const { return static_cast<int>(position_.size()); }
-  int pair_count() const { return static_cast<int>(pair_slots_.size()); }
   /// Place of a block row in the order of elimination.
   int position(int row) const { return position_[row]; }
   /// Blocks of column `position`, the diagonal one first, as increasing row positions.
@@ -35,7 +34,7 @@ class BlockPattern {
   std::vector<Slot> pair_slots_;
 };
 
-/// Sparse Cholesky factorization of a symmetric matrix of K x K blocks (CHOLMOD, supernodal).
+/// Sparse Cholesky factorization of a symmetric matrix of K x K blocks (CHOLMOD).
 class BlockCholesky {
  public:
   using Block = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;

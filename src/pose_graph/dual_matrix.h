@@ -1,7 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <optional>
+#include <cmath>
 #include <vector>
 
 #include "pose_graph/block_cholesky.h"

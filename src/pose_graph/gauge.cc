@@ -1,20 +1,10 @@
 #include "pose_graph/gauge.h"
 
-#include <numeric>
 #include <stdexcept>
 
+#include "planegraph/base/disjoint_sets.h"
+
 namespace planegraph {
-namespace {
-
-// Root of a pose in the forest of parents, with halved paths.
-int Root(std::vector<int>* parents, int pose) {
-  std::vector<int>& parent = *parents;
-  while (parent[pose] != pose) pose = parent[pose] = parent[parent[pose]];
-  return pose;
-}
-
-}  // namespace
-
 template <int Dim>
 void CheckIndices(const PoseGraph<Dim>& graph) {
   const int count = static_cast<int>(graph.poses.size());
@@ -31,14 +21,15 @@ void CheckIndices(const PoseGraph<Dim>& graph) {
 
 template <int Dim>
 std::vector<int> ConnectedParts(const PoseGraph<Dim>& graph) {
-  std::vector<int> parents(graph.poses.size());
-  std::iota(parents.begin(), parents.end(), 0);
+  DisjointSets sets(graph.poses.size());
   for (const GraphEdge<Dim>& edge : graph.edges) {
-    const auto [low, high] = std::minmax({Root(&parents, edge.from), Root(&parents, edge.to)});
-    parents[high] = low;
+    sets.Join(static_cast<std::size_t>(edge.from), static_cast<std::size_t>(edge.to));
   }
-  for (int i = 0; i < static_cast<int>(parents.size()); ++i) parents[i] = Root(&parents, i);
-  return parents;
+  std::vector<int> parts;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    parts.push_back(static_cast<int>(sets.Find(i)));
+  }
+  return parts;
 }
 
 template <int Dim>

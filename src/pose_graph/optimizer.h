@@ -23,8 +23,8 @@ inline constexpr double kNear = 1e-2;
 // What Gauss-Newton may leave behind, of the tolerance: about the square of it, as Newton does.
 inline constexpr double kGaussNewtonRest = 1e-4;
 
-// A gain of cost for each edge that moves nothing by a noticeable part of its sigma: edges without
-// contradiction have no cost to take a fraction of.
+// A gain of cost for each edge that moves nothing by a noticeable part of its sigma (costs are in
+// units of sigma squared): edges without contradiction have no cost to take a fraction of.
 inline constexpr double kNothing = 1e-16;
 
 /// The minimizer behind OptimizePoseGraph. It keeps the order of elimination from one run to the

@@ -180,6 +180,7 @@ MapErrors MeasureMapErrors(const std::vector<MapResidual>& residuals) {
   constexpr double kLeastInBlock = 4.0;
   MapErrors errors;
   if (residuals.size() < kLeastResiduals) return errors;
+  errors.measured = true;
   errors.sigma = std::max(kLeastFloor, std::sqrt(RobustVariance(residuals)));
   std::map<std::uint64_t, std::pair<double, double>> blocks;  // count, sum
   for (const auto& r : residuals) {

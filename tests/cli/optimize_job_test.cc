@@ -67,6 +67,12 @@ TEST_F(OptimizeJob, SaysWhatIsWrong) {
   EXPECT_EQ(RunTool("optimize " + graph).exit_code, 1);
   const std::string output = " --output=" + Path("out.g2o");
   EXPECT_EQ(RunTool("optimize --certify " + graph + output).exit_code, 1);
+  // What the certificate cannot prove is the file's business, not a defect of the program.
+  std::ofstream(Path("fixed.g2o")) << std::ifstream(graph).rdbuf() << "FIX 0\nFIX 2\n";
+  const Outcome fixed =
+      RunTool("optimize --information=isotropic --certify " + Path("fixed.g2o") + output);
+  EXPECT_EQ(fixed.exit_code, 2);
+  EXPECT_THAT(fixed.err, HasSubstr("more than one pose is held"));
   EXPECT_EQ(RunTool("optimize --init=zero " + graph + output).exit_code, 1);
   EXPECT_EQ(RunTool("optimize --loss=cubic " + graph + output).exit_code, 1);
   std::ofstream(Path("bad.g2o"))

@@ -74,6 +74,8 @@ TEST_F(G2oIo, ComesBackBitForBit) {
     graph.edges3.push_back({0, 3 * i, pose, a + a.transpose()});
     const Eigen::Matrix3d b = Eigen::Matrix3d::NullaryExpr(draw);
     graph.edges2.push_back({1000, 1000 + i, {draw(), draw(), draw()}, b + b.transpose()});
+    graph.priors3.push_back({3 * i, pose, a + a.transpose()});
+    graph.priors2.push_back({1000 + i, {draw(), draw(), draw()}, b + b.transpose()});
   }
   graph.fixed = {0, 1000};
   WriteG2o(Path("a.g2o"), graph);
@@ -87,6 +89,11 @@ TEST_F(G2oIo, ComesBackBitForBit) {
     EXPECT_EQ(read.edges3[i].to, graph.edges3[i].to);
     EXPECT_EQ(read.edges2[i].information, graph.edges2[i].information);
     EXPECT_EQ(read.vertices2[i].pose.angle, graph.vertices2[i].pose.angle);
+    EXPECT_EQ(read.priors3[i].id, graph.priors3[i].id);
+    EXPECT_EQ(read.priors3[i].measurement.translation, graph.priors3[i].measurement.translation);
+    EXPECT_EQ(read.priors3[i].information, graph.priors3[i].information);
+    EXPECT_EQ(read.priors2[i].measurement.x, graph.priors2[i].measurement.x);
+    EXPECT_EQ(read.priors2[i].information, graph.priors2[i].information);
   }
   EXPECT_EQ(read.fixed, graph.fixed);
   EXPECT_TRUE(read.unknown.empty());
@@ -121,7 +128,17 @@ TEST_F(G2oIo, BadLinesAreNamed) {
       {kTwoVertices + "EDGE_SE3:QUAT 0 7 0 0 0 0 0 0 1" + Numbers(1, 20) + "\n", "missing"},
       {kTwoVertices + "\nEDGE_SE3:QUAT 0 8 0 0 0 0 0 0 1" + Numbers(1, 21) + "\n",
        "f.g2o:4: no vertex has the id 8"},
-      {kTwoVertices + "FIX\n", "f.g2o:3:"}};
+      {kTwoVertices + "FIX\n", "f.g2o:3:"},
+      {kTwoVertices + "EDGE_PRIOR_SE2 8 0 0 0" + Numbers(1, 6) + "\n",
+       "f.g2o:3: no vertex has the id 8"},
+      {kTwoVertices + "EDGE_SE3_PRIOR 0 0 0 0 0 0 0 0 1" + Numbers(1, 20) + "\n", "missing"},
+      // An offset that is not the identity, before its prior or after it.
+      {kTwoVertices + "PARAMS_SE3OFFSET 3 0 0 1 0 0 0 1\nEDGE_SE3_PRIOR 0 3 0 0 0 0 0 0 1" +
+           Numbers(1, 21) + "\n",
+       "f.g2o:4: its sensor offset"},
+      {kTwoVertices + "EDGE_SE3_PRIOR 0 3 0 0 0 0 0 0 1" + Numbers(1, 21) +
+           "\nPARAMS_SE3OFFSET 3 0 0 1 0 0 0 1\n",
+       "f.g2o:3: its sensor offset"}};
   for (const auto& c : cases) EXPECT_THAT(ErrorOf(c.text), HasSubstr(c.expected)) << c.text;
   EXPECT_THROW(ReadG2o(Path("none.g2o")), InputError);
 }

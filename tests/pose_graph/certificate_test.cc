@@ -54,6 +54,15 @@ TEST(Certificate, ConsistentEdgesAreCertified) {
   EXPECT_TRUE(OptimizeCertified(&graph).certificate.certified);
 }
 
+// Small is not nothing: residuals of a thousandth of a sigma have to be certified like any others.
+TEST(Certificate, ASmallObjectiveNeedsAProofToo) {
+  PoseGraph2 ring = WoundRing(20);
+  for (GraphEdge<2>& edge : ring.edges) edge.information *= 1e-8;
+  const Certificate local = Certify(ring);
+  EXPECT_GT(local.objective, 1e-9);
+  EXPECT_FALSE(local.certified);
+}
+
 TEST(Certificate, NeedsIsotropicWeightsAndAFreeGauge) {
   PoseGraph3 graph = NoisyGraph<3>(10, 0.1, 0.1, 4);
   graph.fixed[2] = graph.fixed[3] = true;

@@ -13,7 +13,7 @@ struct Certificate {
   /// F = sum kappa |R_to - R_from Z|^2 + tau |t_to - t_from - R_from z|^2
   double objective = 0.0;
   /// F minus this is a lower bound of F over all poses. It is at most kCertifiedGap of F where
-  /// `certified`.
+  /// `certified`, or F itself where that is below 1e-16 for each edge.
   double suboptimality_bound = 0.0;
   /// Where not certified: a direction of negative curvature of the dual, one row a pose and `Dim` +
   /// 1 columns, first of the rotation, then of the translation. Empty where none was found.

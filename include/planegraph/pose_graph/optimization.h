@@ -10,8 +10,9 @@ namespace planegraph {
 struct PoseGraphOptions {
   int max_iterations = 500;
   /// Converged where a Newton step promises to lower the cost by less than this fraction of it; the
-  /// step is taken, and what is left is of that fraction's square. Gauss-Newton steps, which
-  /// converge linearly, have to fall below 1e-4 of this.
+  /// step is taken, and what is left is of that fraction's square. Where Gauss-Newton serves
+  /// (robust losses), what its rate of convergence leaves behind must be below 1e-4 of this. At
+  /// rest is also a graph where a step gains less than 1e-16 for each edge.
   double tolerance = 1e-7;
   bool near_minimum = false;    ///< begin with Newton's step
   LossSpec loss;                ///< of the edges that are marked robust
@@ -37,7 +38,7 @@ PoseGraphSummary OptimizePoseGraph(PoseGraph<Dim>* graph, const PoseGraphOptions
 /// Poses from the relative poses alone ("chordal", Carlone et al. 2015, after Martinec and Pajdla
 /// 2007): rotations by linear least squares over all matrices, projected to rotations, then
 /// translations by linear least squares. Weights are the isotropic ones of each edge's information.
-/// Fixed poses stay, as above.
+/// Fixed poses stay, as above; all poses do where the edges do not determine them numerically.
 template <int Dim>
 void InitializeChordal(PoseGraph<Dim>* graph);
 

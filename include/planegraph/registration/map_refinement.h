@@ -42,6 +42,7 @@ struct MapRefinement {
 struct MapErrors {
   double sigma = 0.05;                   ///< metres: of one surface's height (robust)
   double block_sigma = 0.02;             ///< metres: that is left of it in the mean over a block
+  bool measured = false;                 ///< whether `sigma` is, and not the default
   static constexpr double kBlock = 6.0;  ///< metres: edge of a block
 };
 
