@@ -27,7 +27,8 @@ double OptionOr(const FactorOptions& options, const std::string& name, double fa
 }
 
 void FactorType::CheckOptions(const FactorOptions& options) const {
-  for (const auto& [option, value] : options) {
+  for (const auto& entry : options) {
+    const std::string& option = entry.first;
     const bool known =
         std::any_of(parameters.begin(), parameters.end(), [&](const FactorParameter& parameter) {
           return parameter.name == option && !parameter.is_field;

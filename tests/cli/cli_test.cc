@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <regex>
+#include <set>
 
 #include "cli/tool_runner.h"
 
@@ -85,16 +86,25 @@ TEST(Cli, UnknownFlag) {
   }
 }
 
+// Every flag at two commands that lack it: all pairs would be a thousand runs of the tool.
 TEST(Cli, AFlagOfAnotherCommandIsRefused) {
   std::map<std::string, std::string> flags;  // all flags with their defaults
-  for (const auto& command : ListedCommands()) {
-    for (const auto& [flag, value] : ListedFlags(command)) flags[flag] = value;
+  std::map<std::string, std::set<std::string>> own;
+  const auto commands = ListedCommands();
+  for (const auto& command : commands) {
+    for (const auto& [flag, value] : ListedFlags(command)) {
+      flags[flag] = value;
+      own[command].insert(flag);
+    }
   }
-  for (const auto& command : ListedCommands()) {
-    std::map<std::string, std::string> foreign = flags;
-    for (const auto& [flag, value] : ListedFlags(command)) foreign.erase(flag);
-    for (const auto& [flag, value] : foreign) {
-      const std::string other = value == "true" ? "false" : value == "false" ? "true" : "7";
+  std::size_t next = 0;
+  for (const auto& [flag, value] : flags) {
+    const std::string other = value == "true" ? "false" : value == "false" ? "true" : "7";
+    int tried = 0;
+    for (std::size_t i = 0; i < commands.size() && tried < 2; ++i) {
+      const std::string& command = commands[next++ % commands.size()];
+      if (own[command].count(flag) > 0) continue;
+      ++tried;
       const Outcome outcome = RunTool(command + " --" + flag + "=" + other);
       EXPECT_EQ(outcome.exit_code, 1) << command << " --" << flag;
       ExpectOneError(outcome, "has no flag --" + flag);
