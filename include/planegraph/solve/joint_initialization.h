@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planegraph/graph/graph.h"
+
+namespace planegraph {
+
+struct JointInitializationOptions {
+  /// An observation agrees with its landmark, and a shared landmark with a relative pose, within so
+  /// many standard deviations of its own tilt and offset.
+  double gate_sigmas = 3.0;
+  int rotation_samples = 600;     ///< pairs of shared landmarks tried for a relative rotation
+  int translation_samples = 400;  ///< triples (with a map: quadruples) for a translation
+  std::uint64_t seed = 0;
+};
+
+struct JointInitialization {
+  /// agreeing[k][o]: observation o of landmark k agrees with the poses found.
+  std::vector<std::vector<bool>> agreeing;
+  /// Which poses and maps hang together by shared landmarks or relative poses; a component's number
+  /// is its smallest member, poses before maps. Between components nothing is known.
+  std::vector<int> pose_component, map_component;
+
+  /// All poses and maps with an observation are in one component.
+  bool one_component = false;
+};
+
+/// Poses, maps and planes of a graph from no guess at all, where it is known which observations are
+/// of one plane; more than half of that knowledge may be wrong. The graph's poses are not read but
+/// for the gauge: the fixed pose (else the first one) of each component stays.
+///
+/// 1. Every two nodes that share landmarks: relative rotation, then translation (and scale, where
+///    one is a map) by consensus over small samples, with the chance that as many mismatched
+///    landmarks would agree; a tree of the surest gives the nodes a place. Parts that no two nodes
+///    join are joined in the same way by what all their nodes agree on.
+/// 2. In turn, with narrowing gates: the observations of each landmark that agree; all rotations at
+///    once from their normals (chordal relaxation: one linear system, landmarks eliminated, each
+///    projected to SO(3)); then all translations, scales and offsets at once, which is linear.
+///
+/// After Surmann et al.'s split of rotation and translation, its two-node case, and Carlone et al.
+/// (ICRA 2015) for the chordal form. Normals of one landmark must point to one side. Measurements
+/// of absolute place (GPS, priors) are left to the solver. Returns the verdicts; throws
+/// std::invalid_argument for a graph that is not valid.
+JointInitialization InitializeJointly(Graph* graph, const JointInitializationOptions& options = {});
+
+}  // namespace planegraph

@@ -1,0 +1,290 @@
+#include "solve/pair_consensus.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "planegraph/geometry/rotation.h"
+
+namespace planegraph {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kLeastSine = 0.25;        // between the normals of a sample
+constexpr double kLeastVolume = 0.05;      // of the rows of a sample for the translation
+constexpr std::size_t kMostRotations = 3;  // that get a translation
+constexpr int kRefinements = 3;
+
+struct RotationGuess {
+  Matrix3d target_from_source;
+  Matrix3d covariance = Matrix3d::Zero();  // of the left perturbation
+  std::vector<int> agreeing;
+};
+
+class ConsensusSearch {
+ public:
+  ConsensusSearch(const std::vector<SharedLandmark>& shared, const PairConsensusOptions& options)
+      : shared_(shared), options_(options), rng_(options.seed) {}
+
+  std::optional<PairConsensus> Run() {
+    PairConsensus best;
+    for (const RotationGuess& guess : BestRotations()) {
+      const auto found = FindTranslation(guess);
+      if (found && found->agreeing_count > best.agreeing_count) best = *found;
+    }
+    if (best.agreeing_count < SampleSize() + 2) return {};
+    return best;
+  }
+
+ private:
+  int SampleSize() const { return options_.scale_known ? 3 : 4; }
+  int Draw(int count) { return static_cast<int>(rng_() % static_cast<std::uint64_t>(count)); }
+
+  bool NormalsAgree(const Matrix3d& rotation, const Vector3d& target, const Vector3d& source,
+                    double sigma) const {
+    return (rotation * source - target).norm() <= options_.gate_sigmas * sigma;
+  }
+
+  std::vector<int> NormalsAgreeing(const Matrix3d& rotation, double widening) const {
+    std::vector<int> agreeing;
+    for (int k = 0; k < static_cast<int>(shared_.size()); ++k) {
+      const SharedLandmark& s = shared_[k];
+      if (NormalsAgree(rotation, s.target_normal, s.source_normal, widening * s.tilt_sigma)) {
+        agreeing.push_back(k);
+      }
+    }
+    return agreeing;
+  }
+
+  // The rotation that takes two normals to two others, the first and their plane exactly.
+  static Matrix3d Triad(const Vector3d& a, const Vector3d& b) {
+    Matrix3d axes;
+    axes.col(0) = a;
+    axes.col(1) = a.cross(b).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    return axes;
+  }
+
+  std::optional<Matrix3d> RotationOfSample() {
+    const SharedLandmark& a = shared_[Draw(static_cast<int>(shared_.size()))];
+    const SharedLandmark& b = shared_[Draw(static_cast<int>(shared_.size()))];
+    const double target_sine = a.target_normal.cross(b.target_normal).norm();
+    const double source_sine = a.source_normal.cross(b.source_normal).norm();
+    if (std::min(target_sine, source_sine) < kLeastSine) return {};
+    const double difference = std::atan2(target_sine, a.target_normal.dot(b.target_normal)) -
+                              std::atan2(source_sine, a.source_normal.dot(b.source_normal));
+    const double sigma = std::hypot(a.tilt_sigma, b.tilt_sigma);
+    if (std::abs(difference) > options_.gate_sigmas * sigma) return {};
+    return Triad(a.target_normal, b.target_normal) *
+           Triad(a.source_normal, b.source_normal).transpose();
+  }
+
+  // Wahba's problem over the normals that agree, again as their set settles.
+  void RefineRotation(RotationGuess* guess) const {
+    for (int i = 0; i < kRefinements; ++i) {
+      Matrix3d moment = Matrix3d::Zero(), information = Matrix3d::Zero();
+      for (int k : guess->agreeing) {
+        const SharedLandmark& s = shared_[k];
+        const double weight = 1.0 / (s.tilt_sigma * s.tilt_sigma);
+        moment += weight * s.target_normal * s.source_normal.transpose();
+        information +=
+            weight * (Matrix3d::Identity() - s.target_normal * s.target_normal.transpose());
+      }
+      guess->target_from_source = ProjectToRotation(moment);
+      guess->covariance = information.inverse();
+      guess->agreeing = NormalsAgreeing(guess->target_from_source, 1.0);
+    }
+  }
+
+  static double Angle(const Matrix3d& a, const Matrix3d& b) {
+    return AngleBetween(Eigen::Quaterniond(a), Eigen::Quaterniond(b));
+  }
+
+  std::vector<RotationGuess> BestRotations() {
+    std::vector<RotationGuess> guesses;
+    for (int i = 0; i < options_.rotation_samples; ++i) {
+      const auto rotation = RotationOfSample();
+      // A sample's rotation has an error of its own beside that of the normals.
+      if (rotation)
+        guesses.push_back(
+            {*rotation, Matrix3d::Zero(), NormalsAgreeing(*rotation, std::sqrt(2.0))});
+    }
+    std::stable_sort(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) {
+      return a.agreeing.size() > b.agreeing.size();
+    });
+    std::vector<RotationGuess> best;
+    for (RotationGuess& guess : guesses) {
+      if (best.size() == kMostRotations) break;
+      RefineRotation(&guess);
+      const bool is_new = std::all_of(best.begin(), best.end(), [&](const RotationGuess& other) {
+        return Angle(guess.target_from_source, other.target_from_source) > 0.05;
+      });
+      if (is_new && static_cast<int>(guess.agreeing.size()) >= SampleSize()) best.push_back(guess);
+    }
+    return best;
+  }
+
+  // normal . (scale R c_source + t) = normal . c_target, as a row for (t, scale).
+  struct Row {
+    Eigen::Vector4d coefficients;
+    double value;
+  };
+
+  static Row OffsetRow(const Matrix3d& rotation, const SharedLandmark& s) {
+    const Vector3d normal = (s.target_normal + rotation * s.source_normal).normalized();
+    Row row;
+    row.coefficients << normal, normal.dot(rotation * s.source_centroid);
+    row.value = normal.dot(s.target_centroid);
+    return row;
+  }
+
+  std::optional<Eigen::Vector4d> SolveSample(const std::vector<Row>& rows) {
+    const int size = SampleSize();
+    Eigen::Matrix4d a = Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Ones();  // where the scale is known it is 1
+    Matrix3d normals = Matrix3d::Identity();
+    for (int i = 0; i < size; ++i) {
+      const Row& row = rows[Draw(static_cast<int>(rows.size()))];
+      a.row(i) = row.coefficients;
+      b[i] = row.value;
+      if (i < 3) normals.row(i) = row.coefficients.head<3>();
+    }
+    if (std::abs(normals.determinant()) < kLeastVolume) return {};
+    const Eigen::FullPivLU<Eigen::Matrix4d> lu(a);
+    if (!lu.isInvertible()) return {};
+    const Eigen::Vector4d solution = lu.solve(b);
+    if (!(solution[3] > 0.0) || !solution.allFinite()) return {};
+    return solution;
+  }
+
+  bool OffsetAgrees(const Sim3& pose, const Matrix3d& rotation_covariance,
+                    const SharedLandmark& s) const {
+    const Vector3d turned = pose.scale * (pose.rotation * s.source_centroid);
+    const Vector3d apart = turned + pose.translation - s.target_centroid;
+    const Vector3d normal = (s.target_normal + pose.rotation * s.source_normal).normalized();
+    const double height = normal.dot(apart);
+    const double lever = (apart - height * normal).norm();
+    const Vector3d by_rotation = turned.cross(normal);
+    const double variance = s.offset_sigma * s.offset_sigma +
+                            std::pow(0.5 * s.tilt_sigma * lever, 2) +
+                            by_rotation.dot(rotation_covariance * by_rotation);
+    return std::abs(height) <= options_.gate_sigmas * std::sqrt(variance);
+  }
+
+  static Sim3 PoseOf(const RotationGuess& guess, const Eigen::Vector4d& solution) {
+    return {solution[3], Eigen::Quaterniond(guess.target_from_source), solution.head<3>()};
+  }
+
+  std::vector<int> OffsetsAgreeing(const Sim3& pose, const RotationGuess& guess) const {
+    std::vector<int> agreeing;
+    for (int k : guess.agreeing) {
+      if (OffsetAgrees(pose, guess.covariance, shared_[k])) agreeing.push_back(k);
+    }
+    return agreeing;
+  }
+
+  // Least squares for the translation (and scale) over those that agree.
+  Eigen::Vector4d Refit(const RotationGuess& guess, const std::vector<int>& agreeing) const {
+    const int size = SampleSize();
+    Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (int k : agreeing) {
+      Row row = OffsetRow(guess.target_from_source, shared_[k]);
+      if (options_.scale_known) row.value -= row.coefficients[3];
+      if (options_.scale_known) row.coefficients[3] = 0.0;
+      const double weight = 1.0 / (shared_[k].offset_sigma * shared_[k].offset_sigma);
+      information += weight * row.coefficients * row.coefficients.transpose();
+      right += weight * row.value * row.coefficients;
+    }
+    Eigen::Vector4d solution = Eigen::Vector4d::Ones();
+    solution.head(size) = information.topLeftCorner(size, size).ldlt().solve(right.head(size));
+    return solution;
+  }
+
+  std::optional<PairConsensus> FindTranslation(const RotationGuess& guess) {
+    std::vector<Row> rows;
+    for (int k : guess.agreeing) rows.push_back(OffsetRow(guess.target_from_source, shared_[k]));
+    Sim3 best;
+    std::vector<int> most;
+    for (int i = 0; i < options_.translation_samples; ++i) {
+      const auto solution = SolveSample(rows);
+      if (!solution) continue;
+      const Sim3 pose = PoseOf(guess, *solution);
+      std::vector<int> agreeing = OffsetsAgreeing(pose, guess);
+      if (agreeing.size() <= most.size()) continue;
+      most = std::move(agreeing);
+      best = pose;
+    }
+    if (static_cast<int>(most.size()) < SampleSize() + 2) return {};
+    for (int i = 0; i < kRefinements; ++i) {
+      const Eigen::Vector4d solution = Refit(guess, most);
+      if (!solution.allFinite() || !(solution[3] > 0.0)) break;
+      const Sim3 pose = PoseOf(guess, solution);
+      std::vector<int> agreeing = OffsetsAgreeing(pose, guess);
+      if (agreeing.size() < most.size()) break;
+      most = std::move(agreeing);
+      best = pose;
+    }
+    return MakeConsensus(best, guess, most);
+  }
+
+  PairConsensus MakeConsensus(const Sim3& pose, const RotationGuess& guess,
+                              const std::vector<int>& agreeing) const {
+    PairConsensus consensus;
+    consensus.target_from_source = pose;
+    consensus.agreeing.assign(shared_.size(), false);
+    for (int k : agreeing) consensus.agreeing[k] = true;
+    consensus.agreeing_count = static_cast<int>(agreeing.size());
+    consensus.log10_chance = Log10Chance(consensus, guess.covariance);
+    return consensus;
+  }
+
+  // How often a landmark's target and another one's source agree under the pose.
+  double MismatchedAgree(const Sim3& pose, const Matrix3d& rotation_covariance) const {
+    const std::size_t n = shared_.size();
+    const Matrix3d rotation = pose.rotation.toRotationMatrix();
+    std::size_t tried = 0, agree = 0;
+    for (std::size_t shift = 1; shift < std::min<std::size_t>(n, 12); ++shift) {
+      for (std::size_t k = 0; k < n; ++k) {
+        SharedLandmark mixed = shared_[k];
+        mixed.source_normal = shared_[(k + shift) % n].source_normal;
+        mixed.source_centroid = shared_[(k + shift) % n].source_centroid;
+        ++tried;
+        agree +=
+            NormalsAgree(rotation, mixed.target_normal, mixed.source_normal, mixed.tilt_sigma) &&
+            OffsetAgrees(pose, rotation_covariance, mixed);
+      }
+    }
+    return (static_cast<double>(agree) + 1.0) / (static_cast<double>(tried) + 2.0);
+  }
+
+  // Hoeffding's bound of the binomial tail, times the samples tried.
+  double Log10Chance(const PairConsensus& consensus, const Matrix3d& rotation_covariance) const {
+    const double p = MismatchedAgree(consensus.target_from_source, rotation_covariance);
+    const double n = static_cast<double>(shared_.size());
+    const double r = std::min(consensus.agreeing_count / n, 1.0 - 1e-9);
+    const double tries =
+        std::log10(static_cast<double>(options_.rotation_samples) * options_.translation_samples);
+    if (r <= p) return tries;
+    const double divergence = r * std::log(r / p) + (1.0 - r) * std::log((1.0 - r) / (1.0 - p));
+    return tries - n * divergence / std::log(10.0);
+  }
+
+  const std::vector<SharedLandmark>& shared_;
+  const PairConsensusOptions& options_;
+  std::mt19937_64 rng_;
+};
+
+}  // namespace
+
+std::optional<PairConsensus> FindPairConsensus(const std::vector<SharedLandmark>& shared,
+                                               const PairConsensusOptions& options) {
+  if (static_cast<int>(shared.size()) < (options.scale_known ? 5 : 6)) return {};
+  return ConsensusSearch(shared, options).Run();
+}
+
+}  // namespace planegraph
