@@ -2,20 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <map>
 #include <optional>
 #include <queue>
 #include <set>
 
 #include "planegraph/base/disjoint_sets.h"
-#include "solve/joint_linear.h"
-#include "solve/pair_consensus.h"
+#include "solve/node_views.h"
 
 namespace planegraph {
 namespace {
-
-using Eigen::Vector3d;
 
 // A relative pose is taken where fewer than one in a hundred searches among mismatched landmarks
 // would find its like.
@@ -23,26 +18,24 @@ constexpr double kMostLog10Chance = -2.0;
 // The tree hands on the errors of single pairs; each joint solve takes most of them away.
 constexpr std::array<double, 4> kWidenings = {10.0, 4.0, 2.0, 1.0};
 
-struct Candidate {
-  NodePlane plane;
-  int observation;  // index in the landmark
-};
-
 struct TreeEdge {
   int target, source;
   Sim3 target_from_source;
 };
 
-double TiltSigma(const PlaneObservation& seen) {
-  return std::sqrt(0.5 * (std::pow(seen.tilt_weight_1, -2) + std::pow(seen.tilt_weight_2, -2)));
-}
-
 class Initializer {
  public:
   Initializer(Graph* graph, const JointInitializationOptions& options)
-      : graph_(*graph), options_(options), pose_count_(static_cast<int>(graph->poses.size())) {
-    MakeNodes();
-    MakeCandidates();
+      : graph_(*graph),
+        options_(options),
+        pose_count_(static_cast<int>(graph->poses.size())),
+        views_(*graph) {
+    for (const PoseNode& pose : graph_.poses) {
+      nodes_.push_back({Sim3(pose.world_from_node), pose.fixed, false});
+    }
+    for (const MapNode& map : graph_.maps) {
+      nodes_.push_back({map.world_from_map, map.fixed, !map.fixed});
+    }
   }
 
   JointInitialization Run() {
@@ -57,63 +50,14 @@ class Initializer {
   }
 
  private:
-  int NodeOf(const PlaneObservation& seen) const {
-    return seen.map >= 0 ? pose_count_ + seen.map : seen.pose;
-  }
-  bool IsMap(int node) const { return node >= pose_count_; }
-
-  void MakeNodes() {
-    for (const PoseNode& pose : graph_.poses) {
-      nodes_.push_back({Sim3(pose.world_from_node), pose.fixed, false});
-    }
-    for (const MapNode& map : graph_.maps) {
-      nodes_.push_back({map.world_from_map, map.fixed, !map.fixed});
-    }
-  }
-
-  // Observations that say nothing of tilt or offset take no part.
-  void MakeCandidates() {
-    for (const PlaneLandmark& landmark : graph_.planes) {
-      std::vector<Candidate>& candidates = candidates_.emplace_back();
-      for (std::size_t o = 0; o < landmark.observations.size(); ++o) {
-        const PlaneObservation& seen = landmark.observations[o];
-        if (!(seen.tilt_weight_1 > 0.0 && seen.tilt_weight_2 > 0.0 && seen.offset_weight > 0.0)) {
-          continue;
-        }
-        candidates.push_back({{NodeOf(seen), seen.axes.col(0), seen.centroid, TiltSigma(seen),
-                               1.0 / seen.offset_weight},
-                              static_cast<int>(o)});
-      }
-    }
-  }
-
   // --- the tree ---
-
-  using SharedByPair = std::map<std::pair<int, int>, std::vector<SharedLandmark>>;
-
-  // By (target, source): a map is the source, for its scale is what is sought.
-  SharedByPair FindShared() const {
-    SharedByPair shared;
-    for (const auto& candidates : candidates_) {
-      for (const Candidate& a : candidates) {
-        for (const Candidate& b : candidates) {
-          if (a.plane.node >= b.plane.node || IsMap(a.plane.node)) continue;
-          shared[{a.plane.node, b.plane.node}].push_back(
-              {a.plane.normal, a.plane.centroid, b.plane.normal, b.plane.centroid,
-               std::hypot(a.plane.tilt_sigma, b.plane.tilt_sigma),
-               std::hypot(a.plane.offset_sigma, b.plane.offset_sigma)});
-        }
-      }
-    }
-    return shared;
-  }
 
   PairConsensusOptions PairOptions(int source) const {
     PairConsensusOptions options;
     options.gate_sigmas = options_.gate_sigmas;
     options.rotation_samples = options_.rotation_samples;
     options.translation_samples = options_.translation_samples;
-    options.scale_known = !IsMap(source);
+    options.scale_known = !views_.IsMap(source);
     options.seed = options_.seed;
     return options;
   }
@@ -121,7 +65,7 @@ class Initializer {
   // The surest pairs first.
   std::vector<TreeEdge> RankedEdges() const {
     std::vector<std::pair<double, TreeEdge>> ranked;
-    for (const auto& [pair, shared] : FindShared()) {
+    for (const auto& [pair, shared] : views_.FindShared()) {
       const auto consensus = FindPairConsensus(shared, PairOptions(pair.second));
       if (!consensus || consensus->log10_chance > kMostLog10Chance) continue;
       ranked.push_back(
@@ -190,43 +134,8 @@ class Initializer {
 
   // --- parts that no single pair joins ---
 
-  // A part's own view of a landmark: the mean of its planes that agree. Their errors hang together
-  // by the poses, so that the mean counts as no better than one of them.
-  std::optional<NodePlane> PartPlane(const std::vector<Candidate>& candidates, int part) const {
-    std::vector<Candidate> own;
-    for (const Candidate& candidate : candidates) {
-      if (component_[candidate.plane.node] == part) own.push_back(candidate);
-    }
-    const std::vector<int> set = LargestSet(own, options_.gate_sigmas);
-    if (set.empty()) return {};
-    NodePlane mean{part, Vector3d::Zero(), Vector3d::Zero(), 0.0, 0.0};
-    const double share = 1.0 / static_cast<double>(set.size());
-    for (int i : set) {
-      const NodePlane& plane = own[i].plane;
-      const Sim3& pose = nodes_[plane.node].world_from_node;
-      mean.normal += pose.rotation * plane.normal;
-      mean.centroid += share * (pose * plane.centroid);
-      mean.tilt_sigma += share * plane.tilt_sigma;
-      mean.offset_sigma += share * plane.offset_sigma;
-    }
-    mean.normal.normalize();
-    return mean;
-  }
-
-  std::vector<SharedLandmark> SharedByParts(int target, int source) const {
-    std::vector<SharedLandmark> shared;
-    for (const auto& candidates : candidates_) {
-      const auto a = PartPlane(candidates, target), b = PartPlane(candidates, source);
-      if (!a || !b) continue;
-      shared.push_back({a->normal, a->centroid, b->normal, b->centroid,
-                        std::hypot(a->tilt_sigma, b->tilt_sigma),
-                        std::hypot(a->offset_sigma, b->offset_sigma)});
-    }
-    return shared;
-  }
-
   // A part's number is that of its first node; poses come before maps.
-  bool IsPartOfMaps(int part) const { return IsMap(part); }
+  bool IsPartOfMaps(int part) const { return views_.IsMap(part); }
 
   bool MayMove(int part) const {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -236,7 +145,7 @@ class Initializer {
   }
 
   bool IsFixedByUser(int node) const {
-    return IsMap(node) ? graph_.maps[node - pose_count_].fixed : graph_.poses[node].fixed;
+    return views_.IsMap(node) ? graph_.maps[node - pose_count_].fixed : graph_.poses[node].fixed;
   }
 
   // Joins the two parts whose landmarks agree most surely: many nodes together find the few wrong
@@ -249,7 +158,9 @@ class Initializer {
       for (int source : parts) {
         if (target == source || IsPartOfMaps(target) || !MayMove(source)) continue;
         if (source < target && MayMove(target)) continue;
-        const auto found = FindPairConsensus(SharedByParts(target, source), PairOptions(source));
+        const auto found = FindPairConsensus(
+            views_.SharedByParts(target, source, nodes_, component_, options_.gate_sigmas),
+            PairOptions(source));
         if (!found || found->log10_chance > least_chance) continue;
         least_chance = found->log10_chance;
         surest = TreeEdge{target, source, found->target_from_source};
@@ -296,41 +207,15 @@ class Initializer {
 
   // --- the landmarks' observations that agree ---
 
-  bool Agree(const NodePlane& a, const NodePlane& b, double gate) const {
-    const Sim3 &pose_a = nodes_[a.node].world_from_node, &pose_b = nodes_[b.node].world_from_node;
-    const Vector3d normal = pose_a.rotation * a.normal;
-    const double tilt_sigma = std::hypot(a.tilt_sigma, b.tilt_sigma);
-    if ((pose_b.rotation * b.normal - normal).norm() > gate * tilt_sigma) return false;
-    const Vector3d apart = pose_b * b.centroid - pose_a * a.centroid;
-    const double height = normal.dot(apart);
-    const double lever = (apart - height * normal).norm();
-    const double variance = std::pow(a.offset_sigma, 2) + std::pow(b.offset_sigma, 2) +
-                            std::pow(a.tilt_sigma * lever, 2);
-    return std::abs(height) <= gate * std::sqrt(variance);
-  }
-
-  // The largest set of a landmark's planes, of one component, that agree with one of them.
-  std::vector<int> LargestSet(const std::vector<Candidate>& candidates, double gate) const {
-    std::vector<int> largest;
-    for (const Candidate& seed : candidates) {
-      std::vector<int> set;
-      for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const NodePlane& plane = candidates[i].plane;
-        if (component_[plane.node] != component_[seed.plane.node]) continue;
-        if (Agree(seed.plane, plane, gate)) set.push_back(static_cast<int>(i));
-      }
-      if (set.size() > largest.size()) largest = std::move(set);
-    }
-    return largest;
-  }
-
   void ChooseAgreeing(double widening) {
     chosen_.clear();
     agreeing_.clear();
-    for (const auto& candidates : candidates_) {
-      chosen_.push_back(LargestSet(candidates, widening * options_.gate_sigmas));
+    for (std::size_t k = 0; k < views_.LandmarkCount(); ++k) {
+      const auto& views = views_.OfLandmark(k);
+      chosen_.push_back(
+          NodeViews::LargestSet(views, nodes_, component_, widening * options_.gate_sigmas));
       std::vector<NodePlane>& planes = agreeing_.emplace_back();
-      for (int i : chosen_.back()) planes.push_back(candidates[i].plane);
+      for (int i : chosen_.back()) planes.push_back(views[i].plane);
     }
   }
 
@@ -351,7 +236,7 @@ class Initializer {
     PlaneLandmark& landmark = graph_.planes[k];
     std::vector<PlaneObservation> agreeing;
     for (int i : chosen_[k]) {
-      agreeing.push_back(landmark.observations[candidates_[k][i].observation]);
+      agreeing.push_back(landmark.observations[views_.OfLandmark(k)[i].observation]);
     }
     if (agreeing.empty()) return;
     PlaneLandmark placed = MakePlaneLandmark(graph_, std::move(agreeing));
@@ -366,7 +251,7 @@ class Initializer {
     for (std::size_t k = 0; k < graph_.planes.size(); ++k) {
       auto& agreeing = result.agreeing.emplace_back(graph_.planes[k].observations.size(), false);
       if (chosen_[k].size() < 2) continue;
-      for (int i : chosen_[k]) agreeing[candidates_[k][i].observation] = true;
+      for (int i : chosen_[k]) agreeing[views_.OfLandmark(k)[i].observation] = true;
     }
     result.pose_component.assign(component_.begin(), component_.begin() + pose_count_);
     result.map_component.assign(component_.begin() + pose_count_, component_.end());
@@ -376,10 +261,10 @@ class Initializer {
 
   bool IsOneComponent() const {
     int first = -1;
-    for (const auto& candidates : candidates_) {
-      for (const Candidate& candidate : candidates) {
-        if (first < 0) first = component_[candidate.plane.node];
-        if (component_[candidate.plane.node] != first) return false;
+    for (std::size_t k = 0; k < views_.LandmarkCount(); ++k) {
+      for (const NodeViews::View& view : views_.OfLandmark(k)) {
+        if (first < 0) first = component_[view.plane.node];
+        if (component_[view.plane.node] != first) return false;
       }
     }
     return true;
@@ -388,11 +273,11 @@ class Initializer {
   Graph& graph_;
   const JointInitializationOptions& options_;
   int pose_count_;
-  std::vector<NodeState> nodes_;                    // poses, then maps
-  std::vector<int> component_;                      // by node
-  std::vector<std::vector<Candidate>> candidates_;  // by landmark
-  std::vector<std::vector<int>> chosen_;            // by landmark: of its candidates
-  std::vector<std::vector<NodePlane>> agreeing_;    // the same as planes
+  NodeViews views_;
+  std::vector<NodeState> nodes_;                  // poses, then maps
+  std::vector<int> component_;                    // by node
+  std::vector<std::vector<int>> chosen_;          // by landmark: of its views
+  std::vector<std::vector<NodePlane>> agreeing_;  // the same as planes
 };
 
 }  // namespace
