@@ -228,6 +228,12 @@ PlaneObservation Associator::Observe(const std::vector<std::uint32_t>& members, 
   return seen;
 }
 
+// Principal axes come with any sign; those of a landmark shall face alike. Turned about the third.
+void FaceAs(const Eigen::Vector3d& normal, const Eigen::Quaterniond& world_from_node,
+            PlaneObservation* seen) {
+  if ((world_from_node * seen->axes.col(0)).dot(normal) < 0.0) seen->axes.leftCols<2>() *= -1.0;
+}
+
 PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
                                        const Plane& plane) const {
   std::stable_sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -243,6 +249,8 @@ PlaneLandmark Associator::MakeLandmark(std::vector<std::uint32_t> members,
       ++last;
     }
     landmark.observations.push_back(Observe(members, first, last));
+    FaceAs(plane.normal, nodes_[patches_[members[first]].node].world_from_node.rotation,
+           &landmark.observations.back());
   }
   return landmark;
 }

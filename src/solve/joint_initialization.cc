@@ -7,13 +7,14 @@
 #include <set>
 
 #include "planegraph/base/disjoint_sets.h"
+#include "planegraph/base/median.h"
 #include "solve/node_views.h"
 
 namespace planegraph {
 namespace {
 
-// A relative pose is taken where fewer than one in a hundred searches among mismatched landmarks
-// would find its like.
+// A relative pose is sure where its lead over the next best one has a chance below one in a
+// hundred.
 constexpr double kMostLog10Chance = -2.0;
 // The tree hands on the errors of single pairs; each joint solve takes most of them away.
 constexpr std::array<double, 4> kWidenings = {10.0, 4.0, 2.0, 1.0};
@@ -63,14 +64,17 @@ class Initializer {
   }
 
   // The surest pairs first.
-  std::vector<TreeEdge> RankedEdges() const {
+  std::vector<TreeEdge> RankedEdges() {
     std::vector<std::pair<double, TreeEdge>> ranked;
+    std::vector<double> widenings;
     for (const auto& [pair, shared] : views_.FindShared()) {
       const auto consensus = FindPairConsensus(shared, PairOptions(pair.second));
       if (!consensus || consensus->log10_chance > kMostLog10Chance) continue;
+      widenings.push_back(consensus->widening);
       ranked.push_back(
           {consensus->log10_chance, {pair.first, pair.second, consensus->target_from_source}});
     }
+    widening_ = Median(std::move(widenings), 1.0);
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<TreeEdge> edges;
@@ -159,8 +163,7 @@ class Initializer {
         if (target == source || IsPartOfMaps(target) || !MayMove(source)) continue;
         if (source < target && MayMove(target)) continue;
         const auto found = FindPairConsensus(
-            views_.SharedByParts(target, source, nodes_, component_, options_.gate_sigmas),
-            PairOptions(source));
+            views_.SharedByParts(target, source, nodes_, component_, Gate()), PairOptions(source));
         if (!found || found->log10_chance > least_chance) continue;
         least_chance = found->log10_chance;
         surest = TreeEdge{target, source, found->target_from_source};
@@ -207,13 +210,14 @@ class Initializer {
 
   // --- the landmarks' observations that agree ---
 
+  double Gate() const { return widening_ * options_.gate_sigmas; }
+
   void ChooseAgreeing(double widening) {
     chosen_.clear();
     agreeing_.clear();
     for (std::size_t k = 0; k < views_.LandmarkCount(); ++k) {
       const auto& views = views_.OfLandmark(k);
-      chosen_.push_back(
-          NodeViews::LargestSet(views, nodes_, component_, widening * options_.gate_sigmas));
+      chosen_.push_back(NodeViews::LargestSet(views, nodes_, component_, widening * Gate()));
       std::vector<NodePlane>& planes = agreeing_.emplace_back();
       for (int i : chosen_.back()) planes.push_back(views[i].plane);
     }
@@ -274,6 +278,7 @@ class Initializer {
   const JointInitializationOptions& options_;
   int pose_count_;
   NodeViews views_;
+  double widening_ = 1.0;                         // of the stated deviations, as the pairs found it
   std::vector<NodeState> nodes_;                  // poses, then maps
   std::vector<int> component_;                    // by node
   std::vector<std::vector<int>> chosen_;          // by landmark: of its views

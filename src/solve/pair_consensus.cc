@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <random>
 
 #include "planegraph/geometry/rotation.h"
@@ -15,14 +17,24 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kLeastSine = 0.25;        // between the normals of a sample
-constexpr double kLeastVolume = 0.05;      // of the rows of a sample for the translation
+constexpr double kLeastSampleSine = 0.5;   // between the first two rows for a translation
+constexpr double kLeastVolume = 0.25;      // of the three
+constexpr int kMostDraws = 50;             // for a row that stands apart from those before
 constexpr std::size_t kMostRotations = 3;  // that get a translation
 constexpr int kRefinements = 3;
+constexpr std::size_t kMostRivals = 500;  // of the best pose that its lead is judged by
+constexpr double kWidenings[] = {1.0, 2.0, 4.0};
 
 struct RotationGuess {
   Matrix3d target_from_source;
   Matrix3d covariance = Matrix3d::Zero();  // of the left perturbation
   std::vector<int> agreeing;
+};
+
+struct TriedPose {
+  Sim3 pose;
+  const RotationGuess* guess;
+  std::vector<int> agreeing;  // increasing
 };
 
 class ConsensusSearch {
@@ -31,13 +43,21 @@ class ConsensusSearch {
       : shared_(shared), options_(options), rng_(options.seed) {}
 
   std::optional<PairConsensus> Run() {
-    PairConsensus best;
-    for (const RotationGuess& guess : BestRotations()) {
-      const auto found = FindTranslation(guess);
-      if (found && found->agreeing_count > best.agreeing_count) best = *found;
-    }
-    if (best.agreeing_count < SampleSize() + 2) return {};
-    return best;
+    const std::vector<RotationGuess> guesses = BestRotations();
+    std::vector<TriedPose> tried;
+    for (const RotationGuess& guess : guesses) TryTranslations(guess, &tried);
+    std::stable_sort(tried.begin(), tried.end(), [](const TriedPose& a, const TriedPose& b) {
+      return a.agreeing.size() > b.agreeing.size();
+    });
+    if (tried.empty() || static_cast<int>(tried[0].agreeing.size()) < SampleSize() + 2) return {};
+    PairConsensus consensus;
+    consensus.log10_chance = Log10Chance(tried);
+    Refine(&tried[0]);
+    consensus.target_from_source = tried[0].pose;
+    consensus.agreeing.assign(shared_.size(), false);
+    for (int k : tried[0].agreeing) consensus.agreeing[k] = true;
+    consensus.agreeing_count = static_cast<int>(tried[0].agreeing.size());
+    return consensus;
   }
 
  private:
@@ -142,18 +162,34 @@ class ConsensusSearch {
     return row;
   }
 
+  // Rows whose normals stand well apart: most landmarks may lie on one floor, and samples at random
+  // would seldom hold anything but it.
+  bool DrawRows(const std::vector<Row>& rows, std::array<const Row*, 4>* drawn) {
+    Matrix3d normals = Matrix3d::Zero();
+    const int count = static_cast<int>(rows.size());
+    for (int i = 0; i < SampleSize(); ++i) {
+      bool found = false;
+      for (int attempt = 0; attempt < kMostDraws && !found; ++attempt) {
+        (*drawn)[i] = &rows[Draw(count)];
+        if (i < 3) normals.row(i) = (*drawn)[i]->coefficients.head<3>();
+        found = i == 0 || i == 3 ||
+                (i == 1 && normals.row(0).cross(normals.row(1)).norm() > kLeastSampleSine) ||
+                (i == 2 && std::abs(normals.determinant()) > kLeastVolume);
+      }
+      if (!found) return false;
+    }
+    return true;
+  }
+
   std::optional<Eigen::Vector4d> SolveSample(const std::vector<Row>& rows) {
-    const int size = SampleSize();
+    std::array<const Row*, 4> drawn{};
+    if (!DrawRows(rows, &drawn)) return {};
     Eigen::Matrix4d a = Eigen::Matrix4d::Identity();
     Eigen::Vector4d b = Eigen::Vector4d::Ones();  // where the scale is known it is 1
-    Matrix3d normals = Matrix3d::Identity();
-    for (int i = 0; i < size; ++i) {
-      const Row& row = rows[Draw(static_cast<int>(rows.size()))];
-      a.row(i) = row.coefficients;
-      b[i] = row.value;
-      if (i < 3) normals.row(i) = row.coefficients.head<3>();
+    for (int i = 0; i < SampleSize(); ++i) {
+      a.row(i) = drawn[i]->coefficients;
+      b[i] = drawn[i]->value;
     }
-    if (std::abs(normals.determinant()) < kLeastVolume) return {};
     const Eigen::FullPivLU<Eigen::Matrix4d> lu(a);
     if (!lu.isInvertible()) return {};
     const Eigen::Vector4d solution = lu.solve(b);
@@ -205,73 +241,66 @@ class ConsensusSearch {
     return solution;
   }
 
-  std::optional<PairConsensus> FindTranslation(const RotationGuess& guess) {
+  void TryTranslations(const RotationGuess& guess, std::vector<TriedPose>* tried) {
     std::vector<Row> rows;
     for (int k : guess.agreeing) rows.push_back(OffsetRow(guess.target_from_source, shared_[k]));
-    Sim3 best;
-    std::vector<int> most;
     for (int i = 0; i < options_.translation_samples; ++i) {
       const auto solution = SolveSample(rows);
       if (!solution) continue;
       const Sim3 pose = PoseOf(guess, *solution);
-      std::vector<int> agreeing = OffsetsAgreeing(pose, guess);
-      if (agreeing.size() <= most.size()) continue;
-      most = std::move(agreeing);
-      best = pose;
+      tried->push_back({pose, &guess, OffsetsAgreeing(pose, guess)});
     }
-    if (static_cast<int>(most.size()) < SampleSize() + 2) return {};
+  }
+
+  void Refine(TriedPose* best) const {
     for (int i = 0; i < kRefinements; ++i) {
-      const Eigen::Vector4d solution = Refit(guess, most);
-      if (!solution.allFinite() || !(solution[3] > 0.0)) break;
-      const Sim3 pose = PoseOf(guess, solution);
-      std::vector<int> agreeing = OffsetsAgreeing(pose, guess);
-      if (agreeing.size() < most.size()) break;
-      most = std::move(agreeing);
-      best = pose;
+      const Eigen::Vector4d solution = Refit(*best->guess, best->agreeing);
+      if (!solution.allFinite() || !(solution[3] > 0.0)) return;
+      const Sim3 pose = PoseOf(*best->guess, solution);
+      std::vector<int> agreeing = OffsetsAgreeing(pose, *best->guess);
+      if (agreeing.size() < best->agreeing.size()) return;
+      best->agreeing = std::move(agreeing);
+      best->pose = pose;
     }
-    return MakeConsensus(best, guess, most);
   }
 
-  PairConsensus MakeConsensus(const Sim3& pose, const RotationGuess& guess,
-                              const std::vector<int>& agreeing) const {
-    PairConsensus consensus;
-    consensus.target_from_source = pose;
-    consensus.agreeing.assign(shared_.size(), false);
-    for (int k : agreeing) consensus.agreeing[k] = true;
-    consensus.agreeing_count = static_cast<int>(agreeing.size());
-    consensus.log10_chance = Log10Chance(consensus, guess.covariance);
-    return consensus;
-  }
-
-  // How often a landmark's target and another one's source agree under the pose.
-  double MismatchedAgree(const Sim3& pose, const Matrix3d& rotation_covariance) const {
-    const std::size_t n = shared_.size();
-    const Matrix3d rotation = pose.rotation.toRotationMatrix();
-    std::size_t tried = 0, agree = 0;
-    for (std::size_t shift = 1; shift < std::min<std::size_t>(n, 12); ++shift) {
-      for (std::size_t k = 0; k < n; ++k) {
-        SharedLandmark mixed = shared_[k];
-        mixed.source_normal = shared_[(k + shift) % n].source_normal;
-        mixed.source_centroid = shared_[(k + shift) % n].source_centroid;
-        ++tried;
-        agree +=
-            NormalsAgree(rotation, mixed.target_normal, mixed.source_normal, mixed.tilt_sigma) &&
-            OffsetAgrees(pose, rotation_covariance, mixed);
-      }
+  // Whether most of what agrees with `best` would not agree with `other`.
+  bool AreDistinct(const TriedPose& best, const TriedPose& other) const {
+    if (best.guess != other.guess) return true;
+    Eigen::Vector4d shift;
+    shift << other.pose.translation - best.pose.translation, other.pose.scale - best.pose.scale;
+    double sum = 0.0;
+    for (int k : best.agreeing) {
+      const Row row = OffsetRow(best.guess->target_from_source, shared_[k]);
+      sum += std::pow(row.coefficients.dot(shift) / shared_[k].offset_sigma, 2);
     }
-    return (static_cast<double>(agree) + 1.0) / (static_cast<double>(tried) + 2.0);
+    const double gate = 2.0 * options_.gate_sigmas;
+    return sum > gate * gate * static_cast<double>(best.agreeing.size());
   }
 
-  // Hoeffding's bound of the binomial tail, times the samples tried.
-  double Log10Chance(const PairConsensus& consensus, const Matrix3d& rotation_covariance) const {
-    const double p = MismatchedAgree(consensus.target_from_source, rotation_covariance);
-    const double n = static_cast<double>(shared_.size());
-    const double r = std::min(consensus.agreeing_count / n, 1.0 - 1e-9);
-    const double tries =
-        std::log10(static_cast<double>(options_.rotation_samples) * options_.translation_samples);
-    if (r <= p) return tries;
-    const double divergence = r * std::log(r / p) + (1.0 - r) * std::log((1.0 - r) / (1.0 - p));
-    return tries - n * divergence / std::log(10.0);
+  // Hoeffding's bound for `wins` or more heads of wins + losses throws.
+  static double Log10Heads(double wins, double losses) {
+    if (wins <= losses) return 0.0;
+    const double n = wins + losses, share = wins / n;
+    const double lost = losses > 0.0 ? (1.0 - share) * std::log(2.0 * (1.0 - share)) : 0.0;
+    return -n * (share * std::log(2.0 * share) + lost) / std::log(10.0);
+  }
+
+  // Against the distinct pose that comes nearest; `tried` has the best pose first. What agrees with
+  // both (a floor, say) does not count.
+  double Log10Chance(const std::vector<TriedPose>& tried) const {
+    double chance = Log10Heads(static_cast<double>(tried[0].agreeing.size()), 0.0);
+    for (std::size_t i = 1; i < std::min(tried.size(), kMostRivals); ++i) {
+      if (!AreDistinct(tried[0], tried[i])) continue;
+      std::vector<int> both;
+      std::set_intersection(tried[0].agreeing.begin(), tried[0].agreeing.end(),
+                            tried[i].agreeing.begin(), tried[i].agreeing.end(),
+                            std::back_inserter(both));
+      chance =
+          std::max(chance, Log10Heads(static_cast<double>(tried[0].agreeing.size() - both.size()),
+                                      static_cast<double>(tried[i].agreeing.size() - both.size())));
+    }
+    return chance;
   }
 
   const std::vector<SharedLandmark>& shared_;
@@ -283,8 +312,17 @@ class ConsensusSearch {
 
 std::optional<PairConsensus> FindPairConsensus(const std::vector<SharedLandmark>& shared,
                                                const PairConsensusOptions& options) {
-  if (static_cast<int>(shared.size()) < (options.scale_known ? 5 : 6)) return {};
-  return ConsensusSearch(shared, options).Run();
+  std::optional<PairConsensus> surest;
+  if (static_cast<int>(shared.size()) < (options.scale_known ? 5 : 6)) return surest;
+  for (double widening : kWidenings) {
+    PairConsensusOptions wider = options;
+    wider.gate_sigmas *= widening;
+    auto found = ConsensusSearch(shared, wider).Run();
+    if (!found || (surest && found->log10_chance >= surest->log10_chance)) continue;
+    surest = std::move(found);
+    surest->widening = widening;
+  }
+  return surest;
 }
 
 }  // namespace planegraph

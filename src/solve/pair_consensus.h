@@ -25,17 +25,20 @@ struct PairConsensusOptions {
 
 struct PairConsensus {
   Sim3 target_from_source;
+  double widening = 1.0;       ///< of the gate, where the stated deviations are too small
   std::vector<bool> agreeing;  ///< by shared landmark
   int agreeing_count = 0;
-  /// Log10 of the expected number of samples tried that would agree with as many landmarks if all
-  /// were mismatched; how often a mismatched one agrees is measured on shuffled ones.
+  /// Log10 of the chance of its lead over the next best pose that differs, if landmarks preferred
+  /// either with equal chance.
   double log10_chance = 0.0;
 };
 
 /// The relative pose that most of the shared landmarks agree with; none where no pose agrees with
-/// two more than a sample. The best rotations by normals alone come first, then the translation:
-/// patches' normals tell a rotation by a degree only, so that all that agree must have had their
-/// say on it before offsets in millimetres can.
+/// two more than a sample. Stated deviations may be too small: gates of 1, 2 and 4 times their
+/// width are tried, and the surest result counts, for a wide gate lets mismatched ones pass, too.
+/// The best rotations by normals alone come first, then the translation: patches' normals tell a
+/// rotation by a degree only, so that all that agree must have had their say on it before offsets
+/// in millimetres can.
 std::optional<PairConsensus> FindPairConsensus(const std::vector<SharedLandmark>& shared,
                                                const PairConsensusOptions& options);
 

@@ -32,8 +32,8 @@ struct JointInitialization {
 /// for the gauge: the fixed pose (else the first one) of each component stays.
 ///
 /// 1. Every two nodes that share landmarks: relative rotation, then translation (and scale, where
-///    one is a map) by consensus over small samples, with the chance that as many mismatched
-///    landmarks would agree; a tree of the surest gives the nodes a place. Parts that no two nodes
+///    one is a map) by consensus over small samples, with the chance of its lead over the next
+///    best pose; a tree of the surest gives the nodes a place. Parts that no two nodes
 ///    join are joined in the same way by what all their nodes agree on.
 /// 2. In turn, with narrowing gates: the observations of each landmark that agree; all rotations at
 ///    once from their normals (chordal relaxation: one linear system, landmarks eliminated, each
