@@ -15,9 +15,11 @@ namespace {
 
 // A relative pose is sure where its lead over the next best one has a chance below one in a
 // hundred.
-constexpr double kMostLog10Chance = -2.0;
+constexpr double kSure = -2.0;
+// At the end what is left is placed by its best guess, if that has any lead.
+constexpr double kGuess = -0.1;
 // The tree hands on the errors of single pairs; each joint solve takes most of them away.
-constexpr std::array<double, 4> kWidenings = {10.0, 4.0, 2.0, 1.0};
+constexpr std::array<double, 3> kWidenings = {2.0, 1.0, 1.0};
 
 struct TreeEdge {
   int target, source;
@@ -43,7 +45,7 @@ class Initializer {
     PlaceByTree();
     do {
       Settle();
-    } while (JoinSurestParts());
+    } while (JoinSurestParts(kSure) || JoinSurestParts(kGuess));
     if (JoinByRelativePoses()) Settle();
     ChooseAgreeing(1.0);
     WriteBack();
@@ -69,7 +71,7 @@ class Initializer {
     std::vector<double> widenings;
     for (const auto& [pair, shared] : views_.FindShared()) {
       const auto consensus = FindPairConsensus(shared, PairOptions(pair.second));
-      if (!consensus || consensus->log10_chance > kMostLog10Chance) continue;
+      if (!consensus || consensus->log10_chance > kSure) continue;
       widenings.push_back(consensus->widening);
       ranked.push_back(
           {consensus->log10_chance, {pair.first, pair.second, consensus->target_from_source}});
@@ -154,10 +156,10 @@ class Initializer {
 
   // Joins the two parts whose landmarks agree most surely: many nodes together find the few wrong
   // observations that two alone do not. False where no two do.
-  bool JoinSurestParts() {
+  bool JoinSurestParts(double most_log10_chance) {
     const std::set<int> parts(component_.begin(), component_.end());
     std::optional<TreeEdge> surest;
-    double least_chance = kMostLog10Chance;
+    double least_chance = most_log10_chance;
     for (int target : parts) {
       for (int source : parts) {
         if (target == source || IsPartOfMaps(target) || !MayMove(source)) continue;
@@ -169,8 +171,10 @@ class Initializer {
         surest = TreeEdge{target, source, found->target_from_source};
       }
     }
-    if (surest) JoinParts(*surest);
-    return surest.has_value();
+    if (!surest) return false;
+    JoinParts(*surest);
+    least_sure_ = std::max(least_sure_, least_chance);
+    return true;
   }
 
   void JoinParts(const TreeEdge& edge) {
@@ -260,6 +264,7 @@ class Initializer {
     result.pose_component.assign(component_.begin(), component_.begin() + pose_count_);
     result.map_component.assign(component_.begin() + pose_count_, component_.end());
     result.one_component = IsOneComponent();
+    result.least_sure_log10_chance = least_sure_;
     return result;
   }
 
@@ -278,6 +283,7 @@ class Initializer {
   const JointInitializationOptions& options_;
   int pose_count_;
   NodeViews views_;
+  double least_sure_ = kSure;                     // log10 of the chance, of all that was joined
   double widening_ = 1.0;                         // of the stated deviations, as the pairs found it
   std::vector<NodeState> nodes_;                  // poses, then maps
   std::vector<int> component_;                    // by node
@@ -289,7 +295,7 @@ class Initializer {
 
 JointInitialization InitializeJointly(Graph* graph, const JointInitializationOptions& options) {
   CheckGraph(*graph);
-  if (graph->poses.empty() && graph->maps.empty()) return {{}, {}, {}, true};
+  if (graph->poses.empty() && graph->maps.empty()) return {{}, {}, {}, true, kSure};
   return Initializer(graph, options).Run();
 }
 

@@ -24,6 +24,7 @@ constexpr std::size_t kMostRotations = 3;  // that get a translation
 constexpr int kRefinements = 3;
 constexpr std::size_t kMostRivals = 500;  // of the best pose that its lead is judged by
 constexpr double kWidenings[] = {1.0, 2.0, 4.0};
+constexpr double kSure = -2.0;  // log10 of the chance: no wider gate is tried
 
 struct RotationGuess {
   Matrix3d target_from_source;
@@ -321,6 +322,7 @@ std::optional<PairConsensus> FindPairConsensus(const std::vector<SharedLandmark>
     if (!found || (surest && found->log10_chance >= surest->log10_chance)) continue;
     surest = std::move(found);
     surest->widening = widening;
+    if (surest->log10_chance <= kSure) break;
   }
   return surest;
 }

@@ -34,11 +34,10 @@ struct PairConsensus {
 };
 
 /// The relative pose that most of the shared landmarks agree with; none where no pose agrees with
-/// two more than a sample. Stated deviations may be too small: gates of 1, 2 and 4 times their
-/// width are tried, and the surest result counts, for a wide gate lets mismatched ones pass, too.
-/// The best rotations by normals alone come first, then the translation: patches' normals tell a
-/// rotation by a degree only, so that all that agree must have had their say on it before offsets
-/// in millimetres can.
+/// two more than a sample. Stated deviations may be too small: where
+/// gates of their width leave it open, 2 and 4 times their width are tried. The best rotations by
+/// normals alone come first, then the translation: patches' normals tell a rotation by a degree
+/// only, so that all that agree must have had their say on it before offsets in millimetres can.
 std::optional<PairConsensus> FindPairConsensus(const std::vector<SharedLandmark>& shared,
                                                const PairConsensusOptions& options);
 

@@ -25,6 +25,9 @@ struct JointInitialization {
 
   /// All poses and maps with an observation are in one component.
   bool one_component = false;
+  /// Log10 of the chance of the least sure step: -2 or less where all of them were sure, near 0
+  /// where something was placed by a guess that had a rival.
+  double least_sure_log10_chance = 0.0;
 };
 
 /// Poses, maps and planes of a graph from no guess at all, where it is known which observations are
