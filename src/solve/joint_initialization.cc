@@ -133,9 +133,27 @@ class Initializer {
   void Settle() {
     for (double widening : kWidenings) {
       ChooseAgreeing(widening);
+      const std::vector<NodeState> before = nodes_;
+      const std::vector<int> had = AgreeingByNode();
       SolveRotationsJointly(agreeing_, &nodes_);
       SolvePositionsJointly(agreeing_, &nodes_);
+      ChooseAgreeing(widening);
+      const std::vector<int> has = AgreeingByNode();
+      // A node of few planes can be pulled off by wrong ones.
+      for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (has[i] < had[i]) nodes_[i] = before[i];
+      }
     }
+  }
+
+  // How many of its planes agree with those of other nodes.
+  std::vector<int> AgreeingByNode() const {
+    std::vector<int> count(nodes_.size());
+    for (const auto& planes : agreeing_) {
+      if (planes.size() < 2) continue;
+      for (const NodePlane& plane : planes) ++count[plane.node];
+    }
+    return count;
   }
 
   // --- parts that no single pair joins ---

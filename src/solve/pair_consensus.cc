@@ -20,11 +20,11 @@ constexpr double kLeastSine = 0.25;        // between the normals of a sample
 constexpr double kLeastSampleSine = 0.5;   // between the first two rows for a translation
 constexpr double kLeastVolume = 0.25;      // of the three
 constexpr int kMostDraws = 50;             // for a row that stands apart from those before
-constexpr std::size_t kMostRotations = 3;  // that get a translation
+constexpr std::size_t kMostRotations = 5;  // that get a translation
 constexpr int kRefinements = 3;
 constexpr std::size_t kMostRivals = 500;  // of the best pose that its lead is judged by
 constexpr double kWidenings[] = {1.0, 2.0, 4.0};
-constexpr double kSure = -2.0;  // log10 of the chance: no wider gate is tried
+constexpr double kSure = -3.0;  // log10 of the chance: no wider gate is tried
 
 struct RotationGuess {
   Matrix3d target_from_source;

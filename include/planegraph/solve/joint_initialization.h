@@ -25,7 +25,7 @@ struct JointInitialization {
 
   /// All poses and maps with an observation are in one component.
   bool one_component = false;
-  /// Log10 of the chance of the least sure step: -2 or less where all of them were sure, near 0
+  /// Log10 of the chance of the least sure step: -3 or less where all of them were sure, near 0
   /// where something was placed by a guess that had a rival.
   double least_sure_log10_chance = 0.0;
 };
