@@ -25,7 +25,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostMetres = 0.2, kMostRadians = kDegree;  // of a success: rmse, largest
-constexpr int kScans = 8;
 const std::vector<double> kWrongShares = {0.0, 0.3, 0.6, 0.8};
 const std::vector<std::string> kLosses = {"none", "cauchy"};
 
@@ -39,7 +38,6 @@ KnownSite MakeSite(SceneKind scene, std::uint64_t seed) {
   SimulationOptions options;
   options.scene = scene;
   options.seed = seed;
-  options.scans = kScans;
   options.drone_mode = DroneMode::kOff;
   const SimulatedSite site = Simulate(options);
   const SimulatedRobot& robot = site.robots.front();

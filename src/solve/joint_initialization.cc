@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <numeric>
 #include <optional>
-#include <queue>
 #include <set>
 
-#include "planegraph/base/disjoint_sets.h"
 #include "planegraph/base/median.h"
 #include "solve/node_views.h"
 
@@ -34,18 +34,19 @@ class Initializer {
         pose_count_(static_cast<int>(graph->poses.size())),
         views_(*graph) {
     for (const PoseNode& pose : graph_.poses) {
-      nodes_.push_back({Sim3(pose.world_from_node), pose.fixed, false});
+      nodes_.push_back({Sim3(pose.world_from_node), true, false});
     }
     for (const MapNode& map : graph_.maps) {
-      nodes_.push_back({map.world_from_map, map.fixed, !map.fixed});
+      nodes_.push_back({map.world_from_map, true, !map.fixed});
     }
+    component_.resize(nodes_.size());
+    std::iota(component_.begin(), component_.end(), 0);
   }
 
   JointInitialization Run() {
-    PlaceByTree();
-    do {
-      Settle();
-    } while (JoinSurestParts(kSure) || JoinSurestParts(kGuess));
+    ProposeJoins();
+    MeasureWidening();
+    while (JoinSurestParts(kSure) || JoinSurestParts(kGuess)) Settle();
     if (JoinByRelativePoses()) Settle();
     ChooseAgreeing(1.0);
     WriteBack();
@@ -53,8 +54,6 @@ class Initializer {
   }
 
  private:
-  // --- the tree ---
-
   PairConsensusOptions PairOptions(int source) const {
     PairConsensusOptions options;
     options.gate_sigmas = options_.gate_sigmas;
@@ -63,71 +62,6 @@ class Initializer {
     options.scale_known = !views_.IsMap(source);
     options.seed = options_.seed;
     return options;
-  }
-
-  // The surest pairs first.
-  std::vector<TreeEdge> RankedEdges() {
-    std::vector<std::pair<double, TreeEdge>> ranked;
-    std::vector<double> widenings;
-    for (const auto& [pair, shared] : views_.FindShared()) {
-      const auto consensus = FindPairConsensus(shared, PairOptions(pair.second));
-      if (!consensus || consensus->log10_chance > kSure) continue;
-      widenings.push_back(consensus->widening);
-      ranked.push_back(
-          {consensus->log10_chance, {pair.first, pair.second, consensus->target_from_source}});
-    }
-    widening_ = Median(std::move(widenings), 1.0);
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<TreeEdge> edges;
-    for (const auto& [chance, edge] : ranked) edges.push_back(edge);
-    return edges;
-  }
-
-  // A component without a fixed node keeps its first one.
-  void FixGauge(DisjointSets* components) {
-    std::vector<bool> held(nodes_.size());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (nodes_[i].fixed) held[components->Find(i)] = true;
-    }
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (held[components->Find(i)]) continue;
-      held[components->Find(i)] = true;
-      nodes_[i].fixed = true;
-    }
-  }
-
-  void PlaceByTree() {
-    DisjointSets components(nodes_.size());
-    std::vector<std::vector<std::pair<int, Sim3>>> neighbours(nodes_.size());
-    for (const TreeEdge& edge : RankedEdges()) {
-      if (components.Find(edge.target) == components.Find(edge.source)) continue;
-      components.Join(edge.target, edge.source);
-      neighbours[edge.target].push_back({edge.source, edge.target_from_source});
-      neighbours[edge.source].push_back({edge.target, edge.target_from_source.Inverse()});
-    }
-    FixGauge(&components);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      component_.push_back(static_cast<int>(components.Find(i)));
-    }
-    HandOn(neighbours);
-  }
-
-  void HandOn(const std::vector<std::vector<std::pair<int, Sim3>>>& neighbours) {
-    std::vector<bool> placed(nodes_.size());
-    std::queue<int> open;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      placed[i] = nodes_[i].fixed;
-      if (nodes_[i].fixed) open.push(static_cast<int>(i));
-    }
-    for (; !open.empty(); open.pop()) {
-      for (const auto& [next, here_from_next] : neighbours[open.front()]) {
-        if (placed[next]) continue;
-        placed[next] = true;
-        nodes_[next].world_from_node = nodes_[open.front()].world_from_node * here_from_next;
-        open.push(next);
-      }
-    }
   }
 
   void Settle() {
@@ -156,7 +90,7 @@ class Initializer {
     return count;
   }
 
-  // --- parts that no single pair joins ---
+  // --- the parts and their joins ---
 
   // A part's number is that of its first node; poses come before maps.
   bool IsPartOfMaps(int part) const { return views_.IsMap(part); }
@@ -172,26 +106,55 @@ class Initializer {
     return views_.IsMap(node) ? graph_.maps[node - pose_count_].fixed : graph_.poses[node].fixed;
   }
 
-  // Joins the two parts whose landmarks agree most surely: many nodes together find the few wrong
-  // observations that two alone do not. False where no two do.
-  bool JoinSurestParts(double most_log10_chance) {
+  struct Proposal {
+    TreeEdge edge;
+    double log10_chance;
+    double widening;
+  };
+
+  std::optional<Proposal> Propose(int target, int source) const {
+    const auto found = FindPairConsensus(
+        views_.SharedByParts(target, source, nodes_, component_, Gate()), PairOptions(source));
+    if (!found) return {};
+    return Proposal{
+        {target, source, found->target_from_source}, found->log10_chance, found->widening};
+  }
+
+  // Every two parts once, for those of them that have changed; the one that moves is the source.
+  void ProposeJoins() {
     const std::set<int> parts(component_.begin(), component_.end());
-    std::optional<TreeEdge> surest;
-    double least_chance = most_log10_chance;
     for (int target : parts) {
       for (int source : parts) {
         if (target == source || IsPartOfMaps(target) || !MayMove(source)) continue;
         if (source < target && MayMove(target)) continue;
-        const auto found = FindPairConsensus(
-            views_.SharedByParts(target, source, nodes_, component_, Gate()), PairOptions(source));
-        if (!found || found->log10_chance > least_chance) continue;
-        least_chance = found->log10_chance;
-        surest = TreeEdge{target, source, found->target_from_source};
+        if (proposals_.count({target, source}) > 0) continue;
+        proposals_[{target, source}] = Propose(target, source);
       }
     }
+  }
+
+  // By how much the stated deviations must be widened, as sure pairs of nodes find it.
+  void MeasureWidening() {
+    std::vector<double> widenings;
+    for (const auto& [parts, proposal] : proposals_) {
+      if (proposal && proposal->log10_chance <= kSure) widenings.push_back(proposal->widening);
+    }
+    widening_ = Median(std::move(widenings), 1.0);
+  }
+
+  // Joins the two parts whose landmarks agree most surely: many nodes together find the few wrong
+  // observations that two alone do not, so that every join makes the next one surer. False where
+  // no two do.
+  bool JoinSurestParts(double most_log10_chance) {
+    ProposeJoins();
+    const Proposal* surest = nullptr;
+    for (const auto& [parts, proposal] : proposals_) {
+      if (!proposal || proposal->log10_chance > most_log10_chance) continue;
+      if (!surest || proposal->log10_chance < surest->log10_chance) surest = &*proposal;
+    }
     if (!surest) return false;
-    JoinParts(*surest);
-    least_sure_ = std::max(least_sure_, least_chance);
+    least_sure_ = std::max(least_sure_, surest->log10_chance);
+    JoinParts(TreeEdge(surest->edge));
     return true;
   }
 
@@ -204,6 +167,11 @@ class Initializer {
       }
       if (component_[i] == edge.source || component_[i] == edge.target) component_[i] = joined;
     }
+    std::erase_if(proposals_, [&](const auto& entry) {
+      const auto& [target, source] = entry.first;
+      return target == edge.target || target == edge.source || source == edge.target ||
+             source == edge.source;
+    });
   }
 
   // What shares too few planes hangs on what else is known: odometry, as a rule.
@@ -301,6 +269,7 @@ class Initializer {
   const JointInitializationOptions& options_;
   int pose_count_;
   NodeViews views_;
+  std::map<std::pair<int, int>, std::optional<Proposal>> proposals_;  // by (target, source)
   double least_sure_ = kSure;                     // log10 of the chance, of all that was joined
   double widening_ = 1.0;                         // of the stated deviations, as the pairs found it
   std::vector<NodeState> nodes_;                  // poses, then maps

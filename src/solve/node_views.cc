@@ -1,6 +1,7 @@
 #include "solve/node_views.h"
 
 #include <cmath>
+#include <optional>
 
 namespace planegraph {
 namespace {
@@ -76,19 +77,6 @@ NodeViews::NodeViews(const Graph& graph) : pose_count_(static_cast<int>(graph.po
            static_cast<int>(o)});
     }
   }
-}
-
-NodeViews::SharedByPair NodeViews::FindShared() const {
-  SharedByPair shared;
-  for (const auto& views : views_) {
-    for (const View& a : views) {
-      for (const View& b : views) {
-        if (a.plane.node >= b.plane.node || IsMap(a.plane.node)) continue;
-        shared[{a.plane.node, b.plane.node}].push_back(Share(a.plane, b.plane));
-      }
-    }
-  }
-  return shared;
 }
 
 std::vector<int> NodeViews::LargestSet(const std::vector<View>& views,

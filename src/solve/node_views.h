@@ -1,8 +1,5 @@
 #pragma once
 
-#include <map>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "planegraph/graph/graph.h"
@@ -19,16 +16,12 @@ class NodeViews {
     NodePlane plane;
     int observation;  ///< index in the landmark
   };
-  using SharedByPair = std::map<std::pair<int, int>, std::vector<SharedLandmark>>;
 
   explicit NodeViews(const Graph& graph);
 
   bool IsMap(int node) const { return node >= pose_count_; }
   std::size_t LandmarkCount() const { return views_.size(); }
   const std::vector<View>& OfLandmark(std::size_t k) const { return views_[k]; }
-
-  /// By (target, source): a map is the source, for its scale is what is sought.
-  SharedByPair FindShared() const;
 
   /// The largest set of a landmark's views, of one part, that agree with one of them, as indices in
   /// `views`; `part` by node.

@@ -34,11 +34,12 @@ struct JointInitialization {
 /// of one plane; more than half of that knowledge may be wrong. The graph's poses are not read but
 /// for the gauge: the fixed pose (else the first one) of each component stays.
 ///
-/// 1. Every two nodes that share landmarks: relative rotation, then translation (and scale, where
-///    one is a map) by consensus over small samples, with the chance of its lead over the next
-///    best pose; a tree of the surest gives the nodes a place. Parts that no two nodes
-///    join are joined in the same way by what all their nodes agree on.
-/// 2. In turn, with narrowing gates: the observations of each landmark that agree; all rotations at
+/// 1. Parts grow together, at first each node by itself: relative rotation, then translation (and
+///    scale, where one is a map) of every two by consensus over small samples, with the chance of
+///    the best pose's lead over the next one; the surest two join. What all nodes of a part agree
+///    on finds the wrong observations of the next, so that every join makes the others surer.
+/// 2. After each join, in turn and with narrowing gates: the observations of each landmark that
+/// agree; all rotations at
 ///    once from their normals (chordal relaxation: one linear system, landmarks eliminated, each
 ///    projected to SO(3)); then all translations, scales and offsets at once, which is linear.
 ///
