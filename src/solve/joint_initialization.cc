@@ -17,7 +17,7 @@ namespace {
 // hundred.
 constexpr double kSure = -2.0;
 // At the end what is left is placed by its best guess, if that has any lead.
-constexpr double kGuess = -0.1;
+constexpr double kGuess = -1e-3;
 // The tree hands on the errors of single pairs; each joint solve takes most of them away.
 constexpr std::array<double, 3> kWidenings = {2.0, 1.0, 1.0};
 
