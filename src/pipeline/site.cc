@@ -1,7 +1,6 @@
 #include "planegraph/pipeline/site.h"
 
 #include <glob.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "planegraph/base/atomic_file.h"
+#include "pipeline/yaml_reader.h"
 #include "planegraph/base/error.h"
 
 namespace planegraph {
@@ -17,25 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Reads nodes of one file; every complaint names its line.
-class SiteReader {
+class SiteReader : private YamlReader {
  public:
-  explicit SiteReader(const std::string& path)
-      : path_(path), folder_(fs::path(path).parent_path()) {}
+  using YamlReader::YamlReader;
 
   Site Read();
 
  private:
-  [[noreturn]] void Fail(const YAML::Node& node, const std::string& reason) const {
-    throw InputError::AtLine(path_, static_cast<std::size_t>(node.Mark().line + 1), reason);
-  }
-  YAML::Node Load() const;
-  void AllowKeys(const YAML::Node& map, const std::set<std::string>& keys) const;
-  template <typename T>
-  T Value(const YAML::Node& node, const std::string& what) const;
-  std::string Text(const YAML::Node& map, const std::string& key,
-                   const std::string& fallback) const;
-  std::string File(const YAML::Node& map, const std::string& key) const;
   std::vector<double> Numbers(const YAML::Node& node, std::size_t count,
                               const std::string& what) const;
   std::vector<std::string> Scans(const YAML::Node& robot, const std::string& format) const;
@@ -49,52 +36,7 @@ class SiteReader {
   DroneMapSite Map(const YAML::Node& node) const;
   std::optional<double> Positive(const YAML::Node& map, const std::string& key) const;
   GeodeticPosition Origin(const YAML::Node& node) const;
-
-  std::string path_;
-  fs::path folder_;
 };
-
-YAML::Node SiteReader::Load() const {
-  const std::string text = ReadTextFile(path_);
-  try {
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError::AtLine(path_, static_cast<std::size_t>(std::max(error.mark.line, 0) + 1),
-                             "is not valid YAML: " + error.msg);
-  }
-}
-
-void SiteReader::AllowKeys(const YAML::Node& map, const std::set<std::string>& keys) const {
-  if (!map.IsMap()) Fail(map, "expected `key: value` entries");
-  for (const auto& entry : map) {
-    const auto key = entry.first.as<std::string>("");
-    if (keys.count(key)) continue;
-    std::string known;
-    for (const auto& k : keys) known += (known.empty() ? "" : ", ") + k;
-    Fail(entry.first, "unknown key '" + key + "' (known here: " + known + ")");
-  }
-}
-
-template <typename T>
-T SiteReader::Value(const YAML::Node& node, const std::string& what) const {
-  try {
-    return node.as<T>();
-  } catch (const YAML::Exception&) {
-    Fail(node, what + " is not of the right kind");
-  }
-}
-
-std::string SiteReader::Text(const YAML::Node& map, const std::string& key,
-                             const std::string& fallback) const {
-  return map[key] ? Value<std::string>(map[key], key) : fallback;
-}
-
-std::string SiteReader::File(const YAML::Node& map, const std::string& key) const {
-  if (!map[key]) return "";
-  const fs::path file = folder_ / Value<std::string>(map[key], key);
-  if (!fs::exists(file)) Fail(map[key], key + ": there is no " + file.string());
-  return file.string();
-}
 
 std::vector<double> SiteReader::Numbers(const YAML::Node& node, std::size_t count,
                                         const std::string& what) const {
