@@ -14,12 +14,13 @@ Command RegisterCommand();
 Command ReportCommand();
 Command SegmentCommand();
 Command SimulateCommand();
+Command SweepCommand();
 
 std::vector<Command> AllCommands() {
   return {
       MapCommand(),          ReportCommand(),   SegmentCommand(),  RegisterCommand(),
       EvaluateCommand(),     SimulateCommand(), FactorsCommand(),  ConvertCommand(),
-      GeoreferenceCommand(), LocateCommand(),   OptimizeCommand(),
+      GeoreferenceCommand(), LocateCommand(),   OptimizeCommand(), SweepCommand(),
   };
 }
 
