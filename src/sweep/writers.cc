@@ -1,6 +1,6 @@
 #include "sweep/writers.h"
 
-#include <algorithm>
+#include <cmath>
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/evaluation/median_interval.h"
@@ -10,7 +10,9 @@ namespace planegraph {
 namespace {
 
 std::string Number(const std::optional<double>& value) {
-  return value ? Significant(*value, 4) : "";
+  if (!value) return "";
+  const bool is_whole = *value == std::round(*value) && std::abs(*value) < 1e9;
+  return is_whole ? Fixed(*value, 0) : Significant(*value, 4);
 }
 
 std::string Range(const std::optional<Interval>& interval) {
