@@ -1,23 +1,19 @@
-# The cost variants against each other, where the build has `planegraph sweep` and the experiment's file is there. Its sites are
-# relative to the data folder, from which it runs.
+# The cost variants against each other, by `planegraph sweep`. It keeps its own account of what is to be done again, so its folder
+# is not declared as a whole: Snakemake would empty it.
 SWEEP_EXPERIMENT = os.path.join(ROOT, config["sweep"]["experiment"])
-if "sweep" in COMMANDS and DATA and os.path.exists(SWEEP_EXPERIMENT):
+if not why_absent(config["sweep"]["inputs"]):
     TABLES.append("sweep")
 
 rule sweep:
-    input: SWEEP_EXPERIMENT
-    output: directory("sweep")
+    input: SWEEP_EXPERIMENT, files(config["sweep"]["inputs"])
+    output: "sweep/table.md"
     params: data=DATA, program=PLANEGRAPH_HASH
     threads: config["threads"]
-    shell: "out=$(realpath -m {output}); cd {params.data:q} && {PLANEGRAPH} sweep {input} --output_dir=$out --quiet || [ $? -eq 3 ]"
+    shell:
+        "{PLANEGRAPH} sweep {input[0]:q} --data_dir={params.data:q} --output_dir=sweep --threads={threads} --quiet || [ $? -eq 3 ]"
 
 rule sweep_table:
-    input: "sweep"
+    input: "sweep/table.md"
     output: table("sweep")
-    params: conventions="`planegraph sweep`, see the experiment's file."
-    shell:
-        """
-        {{ awk -F , '{{ line = "|"; rule = "|"; for (k = 1; k <= NF; ++k) {{ line = line " " $k " |"; rule = rule "---|" }}
-                     print line; if (NR == 1) print rule }}' {input}/*.csv
-           bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}
-        """
+    params: conventions="`planegraph sweep benchmarks/sweep/experiment.yaml`; docs/sweep.md says what the columns are."
+    shell: "{{ cat {input}; bash {FOOTER} {VERSION:q} {params.conventions:q}; }} > {output}"

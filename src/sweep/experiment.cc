@@ -25,8 +25,12 @@ class ExperimentReader : private YamlReader {
     return static_cast<std::size_t>(node.Mark().line + 1);
   }
   YAML::Node List(const YAML::Node& map, const std::string& key, bool needed) const;
+  void CheckName(const YAML::Node& node, const std::string& name,
+                 std::set<std::string>* taken) const;
   std::string Name(const YAML::Node& map, const std::string& kind,
                    std::set<std::string>* taken) const;
+  void AddFlag(const YAML::Node& key, const YAML::Node& value, const std::string& command,
+               FlagValues* flags) const;
   FlagValues Flags(const YAML::Node& node, const std::string& command) const;
   std::uint64_t Seed(const YAML::Node& node, std::string_view text) const;
   void AddSeeds(const YAML::Node& node, std::vector<std::uint64_t>* seeds) const;
@@ -35,6 +39,8 @@ class ExperimentReader : private YamlReader {
   SweepDataSet DataSet(const YAML::Node& node, const std::vector<std::uint64_t>& seeds,
                        std::set<std::string>* taken) const;
   SweepVariant Variant(const YAML::Node& node, std::set<std::string>* taken) const;
+  std::vector<SweepVariant> Grid(const YAML::Node& node, std::set<std::string>* taken) const;
+  std::vector<SweepVariant> Variants(const YAML::Node& root) const;
   SweepMetric OwnMetric(const YAML::Node& node) const;
   SweepMetric Metric(const YAML::Node& node) const;
   std::vector<SweepMetric> Metrics(const YAML::Node& root) const;
@@ -55,32 +61,39 @@ YAML::Node ExperimentReader::List(const YAML::Node& map, const std::string& key,
   return list;
 }
 
-// A name that can be a folder's, too.
-std::string ExperimentReader::Name(const YAML::Node& map, const std::string& kind,
-                                   std::set<std::string>* taken) const {
+// A name is a folder's, too.
+void ExperimentReader::CheckName(const YAML::Node& node, const std::string& name,
+                                 std::set<std::string>* taken) const {
   static const char* kLetters =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.+:";
+  if (name[0] == '.' || name.find_first_not_of(kLetters) != std::string::npos) {
+    Fail(node, "a name is made of letters, digits and _ - . + : and does not begin with .");
+  }
+  if (!taken->insert(name).second) Fail(node, "the name " + name + " is taken");
+}
+
+std::string ExperimentReader::Name(const YAML::Node& map, const std::string& kind,
+                                   std::set<std::string>* taken) const {
   const std::string name = Text(map, "name", "");
   if (name.empty()) Fail(map, kind + " needs a `name`");
-  if (name[0] == '.' || name.find_first_not_of(kLetters) != std::string::npos) {
-    Fail(map["name"], "a name is made of letters, digits and _ - . + : and does not begin with .");
-  }
-  if (!taken->insert(name).second) Fail(map["name"], "the name " + name + " is taken");
+  CheckName(map["name"], name, taken);
   return name;
+}
+
+void ExperimentReader::AddFlag(const YAML::Node& key, const YAML::Node& value,
+                               const std::string& command, FlagValues* flags) const {
+  const auto name = Value<std::string>(key, "a flag's name");
+  const auto text = Value<std::string>(value, "the flag " + name);
+  const std::string reason = check_(command, name, text);
+  if (!reason.empty()) Fail(value, reason);
+  if (!flags->emplace(name, text).second) Fail(key, "the flag " + name + " is given twice");
 }
 
 FlagValues ExperimentReader::Flags(const YAML::Node& node, const std::string& command) const {
   FlagValues flags;
   if (!node || node.IsNull()) return flags;
   if (!node.IsMap()) Fail(node, "flags are `name: value` entries, without dashes");
-  for (const auto& entry : node) {
-    const auto name = Value<std::string>(entry.first, "a flag's name");
-    const auto value = Value<std::string>(entry.second, "the flag " + name);
-    const std::string reason = check_(command, name, value);
-    if (!reason.empty()) Fail(entry.first, reason);
-    if (!flags.emplace(name, value).second)
-      Fail(entry.first, "the flag " + name + " is given twice");
-  }
+  for (const auto& entry : node) AddFlag(entry.first, entry.second, command, &flags);
   return flags;
 }
 
@@ -143,8 +156,45 @@ SweepDataSet ExperimentReader::DataSet(const YAML::Node& node,
 }
 
 SweepVariant ExperimentReader::Variant(const YAML::Node& node, std::set<std::string>* taken) const {
-  AllowKeys(node, {"name", "flags"});
+  AllowKeys(node, {"name", "flags", "grid"});
   return {Name(node, "a variant", taken), Flags(node["flags"], "map"), Line(node)};
+}
+
+// Every combination of the flags' values; a variant is called as its values.
+std::vector<SweepVariant> ExperimentReader::Grid(const YAML::Node& node,
+                                                 std::set<std::string>* taken) const {
+  AllowKeys(node, {"grid", "flags"});
+  if (!node["grid"].IsMap() || node["grid"].size() == 0)
+    Fail(node["grid"], "`grid` is `flag: [values]` entries");
+  std::vector<SweepVariant> grid{{"", Flags(node["flags"], "map"), Line(node)}};
+  for (const auto& entry : node["grid"]) {
+    const auto flag = Value<std::string>(entry.first, "a flag's name");
+    std::vector<SweepVariant> finer;
+    for (const SweepVariant& variant : grid) {
+      for (const auto& value : List(node["grid"], flag, true)) {
+        SweepVariant& next = finer.emplace_back(variant);
+        AddFlag(entry.first, value, "map", &next.flags);
+        next.name += (next.name.empty() ? "" : "_") + next.flags[flag];
+      }
+    }
+    if (finer.size() > kMostRuns) Fail(entry.first, "these are more than a million variants");
+    grid = std::move(finer);
+  }
+  for (const SweepVariant& variant : grid) CheckName(node["grid"], variant.name, taken);
+  return grid;
+}
+
+std::vector<SweepVariant> ExperimentReader::Variants(const YAML::Node& root) const {
+  std::vector<SweepVariant> variants;
+  std::set<std::string> taken;
+  for (const auto& node : List(root, "variants", true)) {
+    if (node.IsMap() && node["grid"]) {
+      for (SweepVariant& variant : Grid(node, &taken)) variants.push_back(std::move(variant));
+    } else {
+      variants.push_back(Variant(node, &taken));
+    }
+  }
+  return variants;
 }
 
 SweepMetric ExperimentReader::OwnMetric(const YAML::Node& node) const {
@@ -227,13 +277,11 @@ Experiment ExperimentReader::Read() {
   experiment.path = path_;
   experiment.name = Text(root, "name", fs::path(path_).stem().string());
   const std::vector<std::uint64_t> seeds = Seeds(root, {0});
-  std::set<std::string> sets{"all"}, variants;  // `all`: the rows over all data sets
+  std::set<std::string> sets{"all"};  // `all`: the rows over all data sets
   for (const auto& node : List(root, "data_sets", true)) {
     experiment.data_sets.push_back(DataSet(node, seeds, &sets));
   }
-  for (const auto& node : List(root, "variants", true)) {
-    experiment.variants.push_back(Variant(node, &variants));
-  }
+  experiment.variants = Variants(root);
   experiment.metrics = Metrics(root);
   experiment.baseline = Baseline(root, experiment.variants);
   Numbers(root, &experiment);

@@ -134,6 +134,32 @@ TEST_F(ExperimentFile, MistakesNameTheirLine) {
   ExpectError("a: [\n", "2", "is not valid YAML");
 }
 
+TEST_F(ExperimentFile, AGridIsEveryCombination) {
+  const FlagCheck any = [](const auto&, const auto&, const auto& value) {
+    return std::string(value == "bad" ? "bad flag" : "");
+  };
+  const std::string path = Write("g.yaml", std::string(kSets) + R"(variants:
+- {name: first}
+- grid: {factor: [moments, pose_pose], loss: [none, "huber:2", cauchy]}
+  flags: {optimizer: graph}
+)");
+  const Experiment e = ReadExperiment(path, "", any);
+  std::vector<std::string> names;
+  for (const SweepVariant& variant : e.variants) names.push_back(variant.name);
+  EXPECT_THAT(names, ElementsAre("first", "moments_none", "moments_huber:2", "moments_cauchy",
+                                 "pose_pose_none", "pose_pose_huber:2", "pose_pose_cauchy"));
+  EXPECT_THAT(e.variants[5].flags,
+              UnorderedElementsAre(Pair("factor", "pose_pose"), Pair("loss", "huber:2"),
+                                   Pair("optimizer", "graph")));
+  const std::string sets = kSets;
+  ExpectError(sets + "variants:\n- grid: {loss: [good, bad]}\n", "3", "cannot be bad");
+  ExpectError(sets + "variants:\n- grid: {loss: a}\n", "3", "`loss` is a list");
+  ExpectError(sets + "variants:\n- grid: {}\n", "3", "`flag: [values]`");
+  ExpectError(sets + "variants:\n- {grid: {loss: [a]}, name: b}\n", "3", "unknown key 'name'");
+  ExpectError(sets + "variants:\n- {grid: {loss: [a, a]}}\n", "3", "taken");
+  ExpectError(sets + "variants:\n- {grid: {loss: [a]}, flags: {loss: b}}\n", "3", "given twice");
+}
+
 TEST_F(ExperimentFile, SeedsAreNumbersAndRanges) {
   const std::string rest = std::string(kSets) + kVariants;
   EXPECT_THAT(Read(rest + "seeds: 3\n").data_sets[0].seeds, ElementsAre(3u));
