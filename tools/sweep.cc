@@ -118,13 +118,25 @@ bool Complete(const std::vector<SweepRow>& rows) {
   return complete;
 }
 
+// Default metrics that the data do not show have no column; of others that is worth a warning.
+void HandleEmptyMetrics(Experiment* experiment, std::vector<SweepRun>* runs) {
+  for (const std::string& name : EmptyMetrics(*experiment, *runs)) {
+    if (experiment->has_default_metrics) {
+      LeaveOut(name, experiment, runs);
+    } else {
+      std::cerr << "warning: no run has a value of " << name << "\n";
+    }
+  }
+}
+
 int Run(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   RequireFlag("output_dir");
-  const Experiment experiment = ReadExperiment(arguments[0], FLAGS_data_dir, CheckFlag);
+  Experiment experiment = ReadExperiment(arguments[0], FLAGS_data_dir, CheckFlag);
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
-  const std::vector<SweepRun> runs =
+  std::vector<SweepRun> runs =
       RunSweep(experiment, {program, FLAGS_output_dir, FLAGS_threads, ProgressLine()});
+  HandleEmptyMetrics(&experiment, &runs);
   const std::vector<SweepRow> rows = MakeSweepTable(experiment, runs);
   WriteSweepTables(experiment, runs, rows, {PLANEGRAPH_VERSION, PLANEGRAPH_COMMIT},
                    FLAGS_output_dir);

@@ -283,6 +283,7 @@ Experiment ExperimentReader::Read() {
   }
   experiment.variants = Variants(root);
   experiment.metrics = Metrics(root);
+  experiment.has_default_metrics = !root["metrics"];
   experiment.baseline = Baseline(root, experiment.variants);
   Numbers(root, &experiment);
   CheckSize(root, experiment);

@@ -160,6 +160,26 @@ std::vector<SweepRow> TableMaker::Make() const {
 
 }  // namespace
 
+std::vector<std::string> EmptyMetrics(const Experiment& experiment,
+                                      const std::vector<SweepRun>& runs) {
+  std::vector<std::string> empty;
+  for (std::size_t m = 0; m < experiment.metrics.size(); ++m) {
+    const bool has_value = std::any_of(
+        runs.begin(), runs.end(), [m](const SweepRun& run) { return run.values[m].has_value(); });
+    if (!has_value) empty.push_back(experiment.metrics[m].name);
+  }
+  return empty;
+}
+
+void LeaveOut(const std::string& metric, Experiment* experiment, std::vector<SweepRun>* runs) {
+  auto& metrics = experiment->metrics;
+  const auto found = std::find_if(metrics.begin(), metrics.end(),
+                                  [&](const SweepMetric& m) { return m.name == metric; });
+  if (found == metrics.end()) return;
+  for (SweepRun& run : *runs) run.values.erase(run.values.begin() + (found - metrics.begin()));
+  metrics.erase(found);
+}
+
 std::vector<SweepRow> MakeSweepTable(const Experiment& experiment,
                                      const std::vector<SweepRun>& runs) {
   return TableMaker(experiment, runs).Make();

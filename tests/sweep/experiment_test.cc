@@ -88,6 +88,7 @@ TEST_F(ExperimentFile, WhatIsNotSaidHasDefaults) {
   EXPECT_EQ(e.baseline, 0u);
   EXPECT_EQ(e.threads, 1);
   EXPECT_TRUE(e.keeps_everything);
+  EXPECT_TRUE(e.has_default_metrics);
   EXPECT_THAT(e.data_sets[0].seeds, ElementsAre(0u));
   EXPECT_EQ(e.metrics.front().name, "ate_rmse");
   EXPECT_EQ(e.metrics.back().name, "cpu_seconds");

@@ -163,6 +163,18 @@ TEST(SweepTable, EqualResultsOfTheSameFilesCountOnce) {
   EXPECT_EQ(row.cells[1].pairs, 10u);  // times do differ
 }
 
+TEST(SweepTable, MetricsWithoutAValueCanBeLeftOut) {
+  Experiment experiment = Example({"base"});
+  experiment.metrics.insert(experiment.metrics.begin() + 1, Metric("none", false));
+  auto runs = RunsOf(experiment);
+  for (SweepRun& run : runs) run.values.insert(run.values.begin() + 1, std::nullopt);
+  EXPECT_THAT(EmptyMetrics(experiment, runs), ::testing::ElementsAre("none"));
+  LeaveOut("none", &experiment, &runs);
+  EXPECT_EQ(experiment.metrics.size(), 2u);
+  EXPECT_EQ(runs[0].values, RunsOf(experiment)[0].values);
+  EXPECT_TRUE(EmptyMetrics(experiment, runs).empty());
+}
+
 class SweepFiles : public TestFolder {};
 
 TEST_F(SweepFiles, AreWrittenInEveryForm) {

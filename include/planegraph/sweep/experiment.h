@@ -50,10 +50,11 @@ struct Experiment {
   std::vector<SweepDataSet> data_sets;
   std::vector<SweepVariant> variants;
   std::vector<SweepMetric> metrics;
-  std::size_t baseline = 0;      ///< the variant that the others are compared with
-  int threads = 1;               ///< of each run
-  double level = 0.95;           ///< of intervals and tests
-  bool keeps_everything = true;  ///< else logs and JSON results alone
+  bool has_default_metrics = false;  ///< the file names none
+  std::size_t baseline = 0;          ///< the variant that the others are compared with
+  int threads = 1;                   ///< of each run
+  double level = 0.95;               ///< of intervals and tests
+  bool keeps_everything = true;      ///< else logs and JSON results alone
 };
 
 /// Why a flag of a command (`map`, `simulate`) cannot have that value; empty where it can.

@@ -26,6 +26,12 @@ struct SweepCell {
   std::optional<double> p, p_holm;
 };
 
+/// The metrics that no run has a value of: names that were mistyped, or what the data do not show.
+std::vector<std::string> EmptyMetrics(const Experiment& experiment,
+                                      const std::vector<SweepRun>& runs);
+/// Takes a metric out of the experiment and the runs' values.
+void LeaveOut(const std::string& metric, Experiment* experiment, std::vector<SweepRun>* runs);
+
 struct SweepRow {
   std::string data_set;  ///< `all`: all of them together
   std::string variant;
