@@ -30,7 +30,8 @@ CellText TextOf(const SweepContent& content, const SweepRow& row, std::size_t me
   if (is_ratio) {
     text.value = row.is_baseline && cell.count > 0 ? "1" : Number(cell.change);
     text.interval = Range(cell.change_interval);
-    text.absolute = Number(cell.median);
+    const std::string& unit = content.experiment.metrics[metric].unit;
+    if (cell.median) text.absolute = Number(cell.median) + (unit.empty() ? "" : " " + unit);
   } else {
     text.value = Number(cell.median);
     text.interval = Range(cell.interval);
@@ -45,7 +46,7 @@ CellText TextOf(const SweepContent& content, const SweepRow& row, std::size_t me
 
 std::string UnitOf(const SweepMetric& metric) {
   if (!metric.is_ratio) return metric.unit;
-  return "ratio" + (metric.unit.empty() ? "" : " (" + metric.unit + ")");
+  return "ratio";
 }
 
 std::string FlagText(const FlagValues& flags) {
@@ -58,7 +59,7 @@ std::string FlagText(const FlagValues& flags) {
 
 std::vector<std::string> NotesOf(const SweepContent& content) {
   const Experiment& experiment = content.experiment;
-  const std::string percent = Significant(100.0 * experiment.level, 3) + " %";
+  const std::string percent = Number(100.0 * experiment.level) + " %";
   const std::string least = std::to_string(LeastForMedianInterval(experiment.level));
   return {
       "Medians over the runs that succeeded (exit code 0); how many of how many did is said. In "
