@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <random>
+
 #include "io/test_files.h"
 
 namespace planegraph {
@@ -159,6 +161,29 @@ TEST_F(ExperimentFile, AGridIsEveryCombination) {
   ExpectError(sets + "variants:\n- {grid: {loss: [a]}, name: b}\n", "3", "unknown key 'name'");
   ExpectError(sets + "variants:\n- {grid: {loss: [a, a]}}\n", "3", "taken");
   ExpectError(sets + "variants:\n- {grid: {loss: [a]}, flags: {loss: b}}\n", "3", "given twice");
+}
+
+// Damaged files are read or refused, and nothing else.
+TEST_F(ExperimentFile, DamageIsRefused) {
+  const std::string good =
+      "name: n\nseeds: [0..2]\nbaseline: a\nthreads: 2\nlevel: 0.9\nkeep: results\n"
+      "data_sets:\n- {name: s, simulate: {scene: yard}, map_file: x, seeds: 1}\n"
+      "- {name: t, site: data/site.yaml, truth: data/site.yaml}\nvariants:\n- {name: a, flags: "
+      "{loss: x}}\n- {grid: {loss: [b, c]}}\nmetrics: [mme, {name: m, report: /a, of: max}]\n";
+  Read(good);
+  std::mt19937 random(6);
+  const std::string pieces[] = {"[",  "]",   "{",  "}", ":", "- ", "\n",
+                                "  ", "&a ", "*a", "~", "0", ""};
+  for (int trial = 0; trial < 1500; ++trial) {
+    std::string text = good;
+    for (int k = 0; k < 1 + trial % 3; ++k) {
+      text.replace(random() % text.size(), random() % 4, pieces[random() % 13]);
+    }
+    try {
+      Read(text);
+    } catch (const InputError&) {
+    }
+  }
 }
 
 TEST_F(ExperimentFile, SeedsAreNumbersAndRanges) {
