@@ -62,13 +62,13 @@ std::vector<Eigen::Matrix3d> Rotations(const MapModel& map, const ScanGroup& gro
 
 // Three standard deviations either way; of a scale that is hardly known two, in wider steps, for
 // which the nearer surfaces of a scan vote.
-std::vector<double> Scales(double sigma) {
+std::vector<double> Scales(double about, double sigma) {
   constexpr double kHardlyKnown = 0.1;
   const double step = sigma > kHardlyKnown ? 2.0 * kScaleStep : kScaleStep;
   const double reach = (sigma > kHardlyKnown ? 2.0 : kSigmas) * sigma;
   const int steps = static_cast<int>(std::ceil(reach / step - 0.5));
   std::vector<double> scales;
-  for (int k = -steps; k <= steps; ++k) scales.push_back(std::exp(k * step));
+  for (int k = -steps; k <= steps; ++k) scales.push_back(about * std::exp(k * step));
   return scales;
 }
 
@@ -104,7 +104,7 @@ std::vector<MapHypothesis> FindMapHypotheses(const MapModel& map, const ScanGrou
   if (map.surfaces().surfels().empty()) return {};
   const auto samples = SamplesOf(group, std::max<std::size_t>(1, kMapVoters / group.scans.size()));
   const auto rotations = Rotations(map, group, prior);
-  const auto scales = Scales(prior.sigma_scale);
+  const auto scales = Scales(prior.scale, prior.sigma_scale);
   const auto window = WindowOf(map, prior);
   std::vector<std::vector<MapHypothesis>> found(rotations.size() * scales.size());
   ParallelFor(found.size(), threads, [&](std::size_t k) {

@@ -19,7 +19,8 @@ constexpr std::size_t kMostInGroup = 24;
 constexpr double kLeastAgree = 0.1;     // of a scan's surfaces that the map must confirm
 constexpr double kMostOff = 0.15;       // metres: walls and roofs are thicker
 constexpr double kMostTurned = 0.0175;  // radians
-constexpr double kMostSigma = 0.1;      // metres, of a registration that stands by itself
+constexpr double kFoundScaleSigma = 0.003;
+constexpr double kMostSigma = 0.1;  // metres, of a registration that stands by itself
 
 double Seconds(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -121,7 +122,9 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
   MapLocationOptions options;
   options.threads = problem_.threads;
   options.prior.upright = map.has_position();
-  options.prior.sigma_scale = scale_known_[m] ? 0.003 : map.sigma_scale;
+  // A scale that another group has found is known far better than GPS tells, and elsewhere.
+  if (scale_known_[m]) options.prior.scale = 1.0 / placement_.world_from_metric[m].scale;
+  options.prior.sigma_scale = scale_known_[m] ? kFoundScaleSigma : map.sigma_scale;
   std::optional<MapPrior::Pose> pose = PresentPose(group);
   if (!pose) pose = OdometryPrior(group);
   if (!pose && map.has_position()) pose = StartPrior(group);

@@ -98,6 +98,7 @@ std::vector<Start> FindStarts(const MapModel& map, const ScanGroup& group,
 MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start& start,
                         const MapLocationOptions& options) {
   MapRefinementOptions quick;
+  quick.scale = options.prior.scale;
   quick.sigma_scale = options.prior.sigma_scale;
   quick.most_surfels = 400;
   MapCandidate candidate;
@@ -142,7 +143,7 @@ std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
   // Where nothing fits, the surfaces pull the scale to where no prior would have it.
   const double most = kMostScaleSigmas * std::max(options.prior.sigma_scale, 0.005);
   std::erase_if(candidates, [&](const MapCandidate& c) {
-    return std::abs(std::log(c.refinement.map_from_group.scale)) > most;
+    return std::abs(std::log(c.refinement.map_from_group.scale / options.prior.scale)) > most;
   });
   return candidates;
 }
@@ -164,6 +165,7 @@ std::vector<MapCandidate> DifferentPoses(std::vector<MapCandidate> candidates, s
 void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
                 double background, std::vector<MapCandidate>* candidates) {
   MapRefinementOptions fine;
+  fine.scale = options.prior.scale;
   fine.sigma_scale = options.prior.sigma_scale;
   fine.first_gate = 0.3;
   for (std::size_t k = 0; k < candidates->size(); ++k) {
