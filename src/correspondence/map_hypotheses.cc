@@ -73,19 +73,19 @@ std::vector<double> Scales(double about, double sigma) {
 }
 
 DirectionGrid::Window WindowOf(const MapModel& map, const MapPrior& prior) {
-  DirectionGrid::Window window{map.grid().low(), map.grid().high()};
-  if (!prior.pose) {
-    // A scanner stands above the ground, possibly a little off the map's rim.
-    constexpr double kRim = 5.0;
-    window.low -= Eigen::Vector3d(kRim, kRim, 0.0);
-    window.high += Eigen::Vector3d(kRim, kRim, kRim);
-    return window;
-  }
+  // A scanner stands above the ground, possibly a little off the map's rim.
+  constexpr double kRim = 5.0;
+  const Eigen::Vector3d rim(kRim, kRim, kRim);
+  DirectionGrid::Window window{map.grid().low() - Eigen::Vector3d(kRim, kRim, 0.0),
+                               map.grid().high() + rim};
+  if (!prior.pose) return window;
   const Eigen::Vector3d reach =
       Eigen::Vector3d::Constant(kSigmas * prior.pose->sigma_translation + map.grid().voxel());
-  window.low = prior.pose->map_from_group.translation - reach;
-  window.high = prior.pose->map_from_group.translation + reach;
-  return window;
+  const Eigen::Vector3d low = prior.pose->map_from_group.translation - reach;
+  const Eigen::Vector3d high = prior.pose->map_from_group.translation + reach;
+  // Where hardly anything is known of the place, the map's extent is the smaller window.
+  if ((high - low).maxCoeff() < (window.high - window.low).maxCoeff()) return {low, high};
+  return {low.cwiseMax(window.low), high.cwiseMin(window.high)};
 }
 
 std::vector<DirectionGrid::Voter> Voters(const std::vector<GroupSample>& samples,

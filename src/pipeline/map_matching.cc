@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -69,6 +70,7 @@ class Placer {
   std::optional<MapPrior::Pose> PresentPose(const Group& group) const;
   std::optional<MapPrior::Pose> StartPrior(const Group& group) const;
   std::optional<MapPrior::Pose> OdometryPrior(const Group& group) const;
+  std::optional<MapPrior::Pose> GpsPrior(const Group& group) const;
   MapLocation Locate(const Group& group, std::size_t map) const;
   void Place(const Group& group, std::size_t map, const MapRefinement& found);
   void CorrectMap(const Group& group, std::size_t map, const Sim3& metric_from_group);
@@ -110,6 +112,22 @@ std::optional<MapPrior::Pose> Placer::OdometryPrior(const Group& group) const {
   return {};
 }
 
+// Roughly where the group is by the fix that is nearest to its first scan; its heading is open.
+std::optional<MapPrior::Pose> Placer::GpsPrior(const Group& group) const {
+  constexpr double kSigmas = 2.0;  // for the constant error and what outliers there are
+  std::optional<MapPrior::Pose> best;
+  for (const RobotPosition& fix : problem_.robot_positions) {
+    const auto found = std::find(group.scans.begin(), group.scans.end(), fix.scan);
+    if (found == group.scans.end()) continue;
+    const std::size_t k = static_cast<std::size_t>(found - group.scans.begin());
+    const double way = group.group.group_from_scan[k].translation.norm();
+    const double sigma = std::hypot(kSigmas * fix.sigma, way + fix.antenna.norm());
+    if (best && best->sigma_translation <= sigma) continue;
+    best = MapPrior::Pose{{Eigen::Quaterniond::Identity(), fix.position}, sigma, std::numbers::pi};
+  }
+  return best;
+}
+
 // World pose of a group that another map has placed.
 std::optional<MapPrior::Pose> Placer::PresentPose(const Group& group) const {
   constexpr double kSigma = 0.1, kSigmaRotation = 0.02;
@@ -128,6 +146,7 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
   std::optional<MapPrior::Pose> pose = PresentPose(group);
   if (!pose) pose = OdometryPrior(group);
   if (!pose && map.has_position()) pose = StartPrior(group);
+  if (!pose && map.has_position()) pose = GpsPrior(group);
   if (pose && map.has_position() && !scale_known_[m]) {
     // The receiver's constant bias is as large as what changes of its error.
     pose->sigma_translation =

@@ -115,7 +115,7 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
   const std::vector<int> component = Components(result->scans.size(), result->pairs);
   PlaceInMaps({result->site, models, result->scans, component, result->odometry, result->maps,
-               map_models, options.threads},
+               map_models, result->robot_positions, options.threads},
               placement, &result->map_pairs);
   std::vector<int> frames = FramesOf(result->site, result->scans);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -185,7 +185,7 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
   if (options.optimizer == "graph") {
     result->solution =
         SolveJointly({&result->site, &result->scans, &result->pairs, &result->odometry,
-                      &result->maps, &result->map_pairs, &placement},
+                      &result->maps, &result->map_pairs, &placement, &result->robot_positions},
                      options);
   }
   if (options.optimizer == "metascan") {
@@ -209,6 +209,7 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     result.maps = PrepareMaps(site, options, &result);
   }
   result.odometry = OdometrySteps(site, result.scans);
+  result.robot_positions = ReadRobotPositions(site, result.scans, result.maps, &result.warnings);
   Placement placement;
   const std::vector<ScanModel> models = MakeModels(result.scans, options.threads);
   {
