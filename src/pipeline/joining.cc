@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostTried = 384;  // pairs of scans for each pair of frames
 constexpr std::size_t kBatch = 16;
-constexpr std::size_t kEnough = 3;                        // registrations that agree
+constexpr std::size_t kLeast = 3;                         // registrations that agree
 constexpr double kSameMetres = 0.5, kSameRadians = 0.05;  // chained poses are this good
 
 struct Pair {
@@ -46,6 +46,17 @@ std::vector<std::size_t> Members(const std::vector<int>& frames, int wanted) {
     if (frames[i] == wanted) members.push_back(i);
   }
   return members;
+}
+
+// Whether registrations that agree are more than one: a scan that is laid wrongly onto a place is
+// laid so onto all scans that see the place.
+bool Independent(const std::vector<PairRecord>& agreeing) {
+  std::set<std::size_t> targets, sources;
+  for (const PairRecord& pair : agreeing) {
+    targets.insert(pair.target);
+    sources.insert(pair.source);
+  }
+  return agreeing.size() >= kLeast && targets.size() >= 2 && sources.size() >= 2;
 }
 
 class Joiner {
@@ -117,9 +128,9 @@ std::vector<PairRecord> Joiner::Find(const std::vector<std::size_t>& targets,
   for (std::size_t first = 0; first < pairs.size(); first += kBatch) {
     for (auto& record : RegisterAll(pairs, first)) found.push_back(std::move(record));
     agreeing = LargestAgreement(found);
-    if (agreeing.size() >= kEnough && 2 * agreeing.size() > found.size()) break;
+    if (Independent(agreeing) && 2 * agreeing.size() > found.size()) break;
   }
-  if (agreeing.size() < 2 || 2 * agreeing.size() <= found.size()) return {};
+  if (!Independent(agreeing) || 2 * agreeing.size() <= found.size()) return {};
   for (PairRecord& record : agreeing) record.used = true;
   return agreeing;
 }

@@ -8,6 +8,7 @@
 
 #include "pipeline/graph_building.h"
 #include "planegraph/base/disjoint_sets.h"
+#include "planegraph/base/median.h"
 #include "planegraph/solve/covariance.h"
 
 namespace planegraph {
@@ -116,6 +117,41 @@ bool FinishSolve(const MapOptions& options, const Rest& rest, JointSolution* sol
   solution->summary.converged |= rests;
   TakeOver(std::move(solution->graph), solution);
   return rests;
+}
+
+// Information on a position in the world, one axis, 1/m^2.
+double CameraInformation(const std::vector<MapRecord>& maps) {
+  double information = 0.0;
+  for (const MapRecord& map : maps) {
+    if (!map.has_position()) continue;
+    const Georeference& g = *map.georeference;
+    information += static_cast<double>(g.inliers.size()) /
+                   (g.sigma_horizontal * g.sigma_horizontal * g.correlation_inflation);
+  }
+  return information;
+}
+
+// Moves all that GPS holds to where the robots' receivers have it, as far as they know better than
+// the drone's. The solver alone would take long to move a stiff site by many sigmas of a good one.
+void MoveToReceivers(const JointProblem& problem, JointSolution* solution) {
+  const auto& fixes = *problem.robot_positions;
+  std::vector<double> off[3];
+  double information = 0.0;
+  for (const RobotPosition& fix : fixes) {
+    if (!problem.placement->placed[fix.scan]) continue;
+    const Eigen::Vector3d difference =
+        fix.position - solution->world_from_scan[fix.scan] * fix.antenna;
+    for (int k = 0; k < 3; ++k) off[k].push_back(difference[k]);
+    information += 1.0 / (fix.sigma * fix.sigma * fix.inflation);
+  }
+  if (off[0].empty()) return;
+  const double share = information / (information + CameraInformation(*problem.maps));
+  const Eigen::Vector3d shift =
+      share * Eigen::Vector3d(Median(off[0]), Median(off[1]), Median(off[2]));
+  for (std::size_t i = 0; i < solution->world_from_scan.size(); ++i) {
+    if (problem.placement->placed[i]) solution->world_from_scan[i].translation += shift;
+  }
+  for (Sim3& map : solution->world_from_metric) map.translation += shift;
 }
 
 Rest RestOf(const JointProblem& problem, const MapOptions& options,
@@ -275,6 +311,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   solution.world_from_scan = placement.world_from_scan;
   solution.world_from_metric = placement.world_from_metric;
   const MapWeights weights = WeighMaps(problem);
+  MoveToReceivers(problem, &solution);
   AssociationOptions association = MeasuredAssociation(problem);
   association.gate = kFirstGate;
   const Rest rest = RestOf(problem, options, association);

@@ -126,16 +126,16 @@ TEST_F(HybridYard, ARobotsReceiverPlacesTheSiteOnTheEarth) {
   EXPECT_EQ(noisy.components, 1);
   EXPECT_EQ(noisy.robot_positions.size(), noisy.scans.size());
   EXPECT_LT(LargestInMap(noisy, yard_, 0), 0.15);
-  // Positions to a decimetre settle what the drone's receiver, off by a metre, leaves open.
+  // Positions to the centimetre settle what the drone's receiver, off by a metre, leaves open.
   SimulatedGps exact = yard_.robots[0].gps;
   exact.times = yard_.robots[0].times;
   exact.positions.clear();
   for (const Rigid3& pose : yard_.robots[0].truth) exact.positions.push_back(pose * kAntenna);
   std::ofstream(Path("site/gps.csv")) << GpsText(exact, yard_.drone->origin);
-  site.robots[0].gps->sigma = 0.1;
+  site.robots[0].gps->sigma = 0.01;
   const MapResult placed = MapScans(site, Options("graph"));
   EXPECT_EQ(placed.components, 1);
-  EXPECT_LT(LargestInWorld(placed, yard_), 0.1);
+  EXPECT_LT(LargestInWorld(placed, yard_), 0.05);
   EXPECT_GT(LargestInWorld(MapScans(Read("site.yaml"), Options("graph")), yard_), 0.1);
 }
 
