@@ -54,6 +54,24 @@ TEST(LocateInMap, IsEquivariant) {
   }
 }
 
+// What a first robot found counts for the second: a scale that is known well, and is not 1.
+TEST(LocateInMap, TheScaleMayBeKnownToBeAnother) {
+  const double scale = 1.04;
+  const VillageMap map(Village(), Sim3(scale, Eigen::Quaterniond::Identity(), {0, 0, 0}));
+  const Rigid3 pose = MakePose(0, 0, 1.3, 0.4);
+  const MadeScan scan(Village(), pose, 1);
+  MapLocationOptions options;
+  options.prior.upright = true;
+  options.prior.scale = scale;
+  options.prior.sigma_scale = 0.003;
+  options.threads = 2;
+  const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
+  ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
+  const Sim3& best = found.candidates.front().refinement.map_from_group;
+  EXPECT_NEAR(best.scale, scale, 0.003);
+  EXPECT_LT((best.translation - scale * pose.translation).norm(), 0.05);
+}
+
 TEST(LocateInMap, EqualForAnyNumberOfThreads) {
   const VillageMap village;
   const MadeScan scan(Village(), MakePose(0, 0, 1.3, 0.4), 1);
