@@ -178,13 +178,15 @@ void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOp
   }
 }
 
-// Each candidate may be where the scans stand, all with the same prior probability, and they may as
-// well stand nowhere in the map, where every pose is of the background.
-void ComputeProbabilities(MapLocation* location) {
+// Each candidate may be where the scans stand, all with the same prior probability, and they may
+// stand nowhere in the map, where every pose is of the background: as probable as that they stand
+// somewhere, or where a pose was given, one in ten to that.
+void ComputeProbabilities(bool pose_given, MapLocation* location) {
+  const double odds_of_nowhere = pose_given ? 0.1 : 1.0;
   auto& candidates = location->candidates;
   const double top = std::max(0.0, candidates.front().log_likelihood);
   for (MapCandidate& c : candidates) c.probability = std::exp(c.log_likelihood - top);
-  location->nowhere = static_cast<double>(candidates.size()) * std::exp(-top);
+  location->nowhere = odds_of_nowhere * static_cast<double>(candidates.size()) * std::exp(-top);
   double wrong = location->nowhere;
   for (std::size_t k = 1; k < candidates.size(); ++k) wrong += candidates[k].probability;
   const double all = candidates.front().probability + wrong;
@@ -256,7 +258,7 @@ MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
   SortByLikelihood(location.background, &candidates);
   location.candidates = DifferentPoses(std::move(candidates), kMostCandidates);
   RefineBest(map, group, options, location.background, &location.candidates);
-  ComputeProbabilities(&location);
+  ComputeProbabilities(options.prior.pose.has_value(), &location);
   Decide(options, &location);
   return location;
 }
