@@ -1,14 +1,15 @@
 #include "registration/map_slides.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 namespace planegraph {
 namespace {
 
-// A surface that is slid by two gates along its normal has left the gate on either side, and so has
-// one that faces the way by half.
-constexpr double kGates[] = {2.0, 3.0, 4.0};
+// The refinement pairs what is within its last gate, so that poses less than two of these apart see
+// the same surfaces and end at the same place; walls and roofs are no thicker than four.
+constexpr double kGates[] = {2.0, 2.5, 3.0, 3.5, 4.0};
 constexpr double kRightInTen = 9.0;
 
 // Surfaces that speak for the pose, less those that speak against it. Where the map does not know
@@ -24,11 +25,12 @@ Slide ClosestSlide(const MapModel& map, const ScanGroup& group, const MapRefinem
                    double gate) {
   const double best = Voices(map, group, found.map_from_group, gate);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(found.covariance.topLeftCorner<3, 3>());
+  const double step = std::max(gate, MapRefinementOptions().last_gate);
   Slide closest;
   closest.lead = INFINITY;
   for (int axis = 2; axis >= 0; --axis) {
     for (const double gates : kGates) {
-      for (const double metres : {-gates * gate, gates * gate}) {
+      for (const double metres : {-gates * step, gates * step}) {
         Sim3 pose = found.map_from_group;
         pose.translation += metres * axes.eigenvectors().col(axis);
         const double lead = std::log(kRightInTen) * (best - Voices(map, group, pose, gate));

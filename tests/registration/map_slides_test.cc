@@ -26,7 +26,7 @@ TEST(ClosestSlide, AmongHousesThePoseLeadsOnEverySide) {
   const MapRefinement found = RefinedAt(map, scan, Sim3(pose));
   const Slide slide = ClosestSlide(map.model(), ScanGroup(scan.model()), found, kGate);
   EXPECT_GT(slide.lead, std::log(1e3));
-  EXPECT_GE(slide.metres, 2.0 * kGate);
+  EXPECT_GE(slide.metres, 2.0 * MapRefinementOptions().last_gate);
   EXPECT_NEAR((slide.map_from_group.translation - found.map_from_group.translation).norm(),
               slide.metres, 1e-9);
 }
