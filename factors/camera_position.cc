@@ -5,8 +5,7 @@
 // with (s, R, t) = world_from_map, c the camera's centre in the map, p its position in the world.
 #include <ceres/sized_cost_function.h>
 
-#include <Eigen/Eigenvalues>
-
+#include "factors/square_root.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/graph/factor_registry.h"
 #include "planegraph/graph/factor_sampling.h"
@@ -17,13 +16,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// L with L^T L = information, of any rank.
-Matrix3d SquareRoot(const Matrix3d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(information);
-  return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
-}
 
 class CameraPositionCost final : public ceres::SizedCostFunction<3, kMapSize> {
  public:

@@ -62,30 +62,30 @@ std::vector<Eigen::Matrix3d> Rotations(const MapModel& map, const ScanGroup& gro
 
 // Three standard deviations either way; of a scale that is hardly known two, in wider steps, for
 // which the nearer surfaces of a scan vote.
-std::vector<double> Scales(double sigma) {
+std::vector<double> Scales(double about, double sigma) {
   constexpr double kHardlyKnown = 0.1;
   const double step = sigma > kHardlyKnown ? 2.0 * kScaleStep : kScaleStep;
   const double reach = (sigma > kHardlyKnown ? 2.0 : kSigmas) * sigma;
   const int steps = static_cast<int>(std::ceil(reach / step - 0.5));
   std::vector<double> scales;
-  for (int k = -steps; k <= steps; ++k) scales.push_back(std::exp(k * step));
+  for (int k = -steps; k <= steps; ++k) scales.push_back(about * std::exp(k * step));
   return scales;
 }
 
 DirectionGrid::Window WindowOf(const MapModel& map, const MapPrior& prior) {
-  DirectionGrid::Window window{map.grid().low(), map.grid().high()};
-  if (!prior.pose) {
-    // A scanner stands above the ground, possibly a little off the map's rim.
-    constexpr double kRim = 5.0;
-    window.low -= Eigen::Vector3d(kRim, kRim, 0.0);
-    window.high += Eigen::Vector3d(kRim, kRim, kRim);
-    return window;
-  }
+  // A scanner stands above the ground, possibly a little off the map's rim.
+  constexpr double kRim = 5.0;
+  const Eigen::Vector3d rim(kRim, kRim, kRim);
+  DirectionGrid::Window window{map.grid().low() - Eigen::Vector3d(kRim, kRim, 0.0),
+                               map.grid().high() + rim};
+  if (!prior.pose) return window;
   const Eigen::Vector3d reach =
       Eigen::Vector3d::Constant(kSigmas * prior.pose->sigma_translation + map.grid().voxel());
-  window.low = prior.pose->map_from_group.translation - reach;
-  window.high = prior.pose->map_from_group.translation + reach;
-  return window;
+  const Eigen::Vector3d low = prior.pose->map_from_group.translation - reach;
+  const Eigen::Vector3d high = prior.pose->map_from_group.translation + reach;
+  // Where hardly anything is known of the place, the map's extent is the smaller window.
+  if ((high - low).maxCoeff() < (window.high - window.low).maxCoeff()) return {low, high};
+  return {low.cwiseMax(window.low), high.cwiseMin(window.high)};
 }
 
 std::vector<DirectionGrid::Voter> Voters(const std::vector<GroupSample>& samples,
@@ -104,7 +104,7 @@ std::vector<MapHypothesis> FindMapHypotheses(const MapModel& map, const ScanGrou
   if (map.surfaces().surfels().empty()) return {};
   const auto samples = SamplesOf(group, std::max<std::size_t>(1, kMapVoters / group.scans.size()));
   const auto rotations = Rotations(map, group, prior);
-  const auto scales = Scales(prior.sigma_scale);
+  const auto scales = Scales(prior.scale, prior.sigma_scale);
   const auto window = WindowOf(map, prior);
   std::vector<std::vector<MapHypothesis>> found(rotations.size() * scales.size());
   ParallelFor(found.size(), threads, [&](std::size_t k) {

@@ -45,6 +45,8 @@ void CheckPoseFactor(const PoseFactor& factor, int pose_count, const std::string
   Require(factor.poses.size() < 2 || factor.poses[0] != factor.poses[1],
           name + ": ties a pose to itself");
   Require(factor.information.allFinite(), name + ": information is not finite");
+  Require(factor.point.allFinite() && factor.measurement.translation.allFinite(),
+          name + ": not finite");
 }
 
 void CheckMapFactor(const MapFactor& factor, int map_count, const std::string& name) {

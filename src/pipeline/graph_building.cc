@@ -104,14 +104,89 @@ void AddStarts(const JointProblem& problem, Graph* graph) {
   }
 }
 
-// The first scan of each component is its gauge, unless a map holds it that GPS places.
-void SetGauge(const JointProblem& problem, Graph* graph) {
-  const std::vector<int> component =
-      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+// Positions of the robots by GPS, where a map that GPS places holds them: elsewhere the first scan
+// is the gauge and does not lie on the earth.
+void AddRobotPositions(const JointProblem& problem, const std::set<int>& held,
+                       const std::vector<int>& component, Graph* graph) {
+  for (const RobotPosition& fix : *problem.robot_positions) {
+    if (!held.count(component[fix.scan])) continue;
+    PoseFactor factor;
+    factor.type = "robot_position";
+    factor.poses = {static_cast<int>(fix.scan)};
+    factor.point = fix.antenna;
+    factor.measurement.translation = fix.position;
+    // Heights are worse: the satellites are all above.
+    constexpr double kVertical = 1.5;
+    const double horizontal = fix.sigma * fix.sigma * fix.inflation;
+    factor.information.setZero();
+    factor.information.diagonal().head<3>() =
+        Eigen::Vector3d(1.0, 1.0, 1.0 / (kVertical * kVertical)) / horizontal;
+    factor.source = "gps";
+    factor.robust = true;
+    graph->pose_factors.push_back(std::move(factor));
+  }
+}
+
+// The world's vertical: of the east-north-up frame z; of a first scan's frame what the scans say
+// under their present poses, whose errors average out.
+Eigen::Vector3d UpInWorld(const JointProblem& problem, const Graph& graph, bool on_earth) {
+  if (on_earth) return Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < problem.scans->size(); ++i) {
+    const auto& gravity = problem.site->robots[(*problem.scans)[i].robot].gravity;
+    if (gravity) up += graph.poses[i].world_from_node.rotation * gravity->up;
+  }
+  return up.norm() > 1e-6 ? Eigen::Vector3d(up.normalized()) : Eigen::Vector3d::UnitZ();
+}
+
+void AddGravity(const JointProblem& problem, const std::set<int>& held,
+                const std::vector<int>& component, Graph* graph) {
+  for (std::size_t i = 0; i < problem.scans->size(); ++i) {
+    const auto& gravity = problem.site->robots[(*problem.scans)[i].robot].gravity;
+    if (!gravity || graph->poses[i].fixed) continue;
+    PoseFactor factor;
+    factor.type = "gravity";
+    factor.poses = {static_cast<int>(i)};
+    factor.point = gravity->up;
+    factor.measurement.translation = UpInWorld(problem, *graph, held.count(component[i]) > 0);
+    factor.information.setZero();
+    factor.information.diagonal().tail<3>().setConstant(std::pow(gravity->sigma, -2));
+    factor.source = "gravity";
+    factor.robust = true;
+    graph->pose_factors.push_back(std::move(factor));
+  }
+}
+
+// A map's direction upwards is given in its own frame; the node's is the metric one.
+void AddMapGravity(const JointProblem& problem, Graph* graph) {
+  for (std::size_t m = 0; m < problem.maps->size(); ++m) {
+    const MapRecord& map = (*problem.maps)[m];
+    const auto& gravity = problem.site->maps[m].gravity;
+    if (!gravity || !map.has_position() || graph->maps[m].fixed) continue;
+    MapFactor factor;
+    factor.type = "map_gravity";
+    factor.maps = {static_cast<int>(m)};
+    factor.point = map.metric_from_map.rotation * gravity->up;
+    factor.position = Eigen::Vector3d::UnitZ();
+    factor.information.setZero();
+    factor.information.diagonal().segment<3>(3).setConstant(std::pow(gravity->sigma, -2));
+    factor.source = "gravity";
+    factor.robust = true;
+    graph->map_factors.push_back(std::move(factor));
+  }
+}
+
+// The components that a map holds which GPS places.
+std::set<int> HeldComponents(const JointProblem& problem, const std::vector<int>& component) {
   std::set<int> held;
   for (const auto& pair : *problem.map_pairs) {
     if (pair.used && (*problem.maps)[pair.map].has_position()) held.insert(component[pair.scan]);
   }
+  return held;
+}
+
+// The first scan of each component is its gauge, unless such a map holds it.
+void SetGauge(std::set<int> held, const std::vector<int>& component, Graph* graph) {
   for (std::size_t i = 0; i < component.size(); ++i) {
     graph->poses[i].fixed = held.insert(component[i]).second;
   }
@@ -226,7 +301,10 @@ Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
   for (std::size_t i = 0; i < solution.world_from_scan.size(); ++i) {
     graph.poses.push_back({std::to_string(i), solution.world_from_scan[i], false});
   }
-  SetGauge(problem, &graph);
+  const std::vector<int> component =
+      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+  const std::set<int> held = HeldComponents(problem, component);
+  SetGauge(held, component, &graph);
   const std::vector<PlacedMap> placed = AddMaps(problem, solution, &graph);
   graph.planes = AssociateComponents(problem, solution, association, placed);
   KeepAnchoredOnly(problem, &graph);
@@ -234,6 +312,9 @@ Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
   AddOdometry(*problem.odometry, &graph);
   HoldOpenDirections(*problem.pairs, *problem.odometry, &graph);
   AddStarts(problem, &graph);
+  AddRobotPositions(problem, held, component, &graph);
+  AddGravity(problem, held, component, &graph);
+  AddMapGravity(problem, &graph);
   return graph;
 }
 

@@ -8,6 +8,7 @@
 
 #include "pipeline/graph_building.h"
 #include "planegraph/base/disjoint_sets.h"
+#include "planegraph/base/median.h"
 #include "planegraph/solve/covariance.h"
 
 namespace planegraph {
@@ -33,8 +34,16 @@ std::vector<Rigid3> PosesOf(const Graph& graph) {
   return poses;
 }
 
-// How far the scans moved, seen from the first one of their component: where GPS of metres alone
-// holds a site, its place in the world creeps on when all within it has come to rest.
+// What rest means: metres that a solve may still move a scan, seen from the first one of those
+// that registrations join it to, and these as a whole, where a map alone joins them to others: a
+// map's own errors are larger. Seen from within, since where GPS of metres alone holds a site, its
+// place in the world creeps on when all within it has come to rest.
+struct Rest {
+  double last_gate, stable, stable_in_map;
+  std::vector<int> joined;     // component of each scan by registrations between scans
+  std::vector<int> component;  // maps included
+};
+
 double LargestMove(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b,
                    const std::vector<int>& component) {
   std::map<int, std::size_t> first;
@@ -45,6 +54,11 @@ double LargestMove(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b,
     move = std::max(move, (now - (b[k].Inverse() * b[i]).translation).norm());
   }
   return move;
+}
+
+bool Rests(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b, const Rest& rest) {
+  return LargestMove(a, b, rest.joined) < rest.stable &&
+         LargestMove(a, b, rest.component) < rest.stable_in_map;
 }
 
 // Whether GPS alone keeps the graph, or a part of it, in its place.
@@ -72,41 +86,87 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
   return solve;
 }
 
-// When the rounds of association and solve end: metres.
-struct Rest {
-  double last_gate, stable;
-};
-
 // Association and solve in turns until no pose moves at the last gate, or the rounds are used up.
 void Rounds(const JointProblem& problem, const MapOptions& options, const MapWeights& weights,
-            const std::vector<int>& component, const Rest& rest, AssociationOptions* association,
-            JointSolution* solution) {
+            const Rest& rest, AssociationOptions* association, JointSolution* solution) {
   bool last = false;
   for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
     Graph graph = BuildGraph(problem, *solution, *association, weights);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     solution->costs.push_back(solution->summary.costs);
-    const double move = LargestMove(PosesOf(graph), solution->world_from_scan, component);
-    last = association->gate <= rest.last_gate && move < rest.stable;
+    last = association->gate <= rest.last_gate &&
+           Rests(PosesOf(graph), solution->world_from_scan, rest);
     TakeOver(std::move(graph), solution);
     association->gate = std::max(rest.last_gate, 0.4 * association->gate);
     options.progress("solve", static_cast<double>(solution->rounds + 1) / options.most_rounds);
   }
 }
 
-// The last solve of the last association, to the end.
-void FinishSolve(const MapOptions& options, const std::vector<int>& component, double stable,
-                 JointSolution* solution) {
+// The last solve of the last association, to the end; whether it left the poses at rest.
+bool FinishSolve(const MapOptions& options, const Rest& rest, JointSolution* solution) {
   const double initial_cost = solution->summary.initial_cost;
   solution->summary =
       Solve(&solution->graph, RoundOptions(options, true, HeldByPriors(solution->graph)));
   solution->costs.push_back(solution->summary.costs);
   solution->summary.initial_cost = initial_cost;
-  solution->last_move = LargestMove(PosesOf(solution->graph), solution->world_from_scan, component);
+  const std::vector<Rigid3> poses = PosesOf(solution->graph);
+  solution->last_move = LargestMove(poses, solution->world_from_scan, rest.component);
+  const bool rests = Rests(poses, solution->world_from_scan, rest);
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses
   // rest.
-  solution->summary.converged |= solution->last_move < stable;
+  solution->summary.converged |= rests;
   TakeOver(std::move(solution->graph), solution);
+  return rests;
+}
+
+// Information on a position in the world, one axis, 1/m^2.
+double CameraInformation(const std::vector<MapRecord>& maps) {
+  double information = 0.0;
+  for (const MapRecord& map : maps) {
+    if (!map.has_position()) continue;
+    const Georeference& g = *map.georeference;
+    information += static_cast<double>(g.inliers.size()) /
+                   (g.sigma_horizontal * g.sigma_horizontal * g.correlation_inflation);
+  }
+  return information;
+}
+
+// Moves all that GPS holds to where the robots' receivers have it, as far as they know better than
+// the drone's. The solver alone would take long to move a stiff site by many sigmas of a good one.
+void MoveToReceivers(const JointProblem& problem, JointSolution* solution) {
+  const auto& fixes = *problem.robot_positions;
+  std::vector<double> off[3];
+  double information = 0.0;
+  for (const RobotPosition& fix : fixes) {
+    if (!problem.placement->placed[fix.scan]) continue;
+    const Eigen::Vector3d difference =
+        fix.position - solution->world_from_scan[fix.scan] * fix.antenna;
+    for (int k = 0; k < 3; ++k) off[k].push_back(difference[k]);
+    information += 1.0 / (fix.sigma * fix.sigma * fix.inflation);
+  }
+  if (off[0].empty()) return;
+  const double share = information / (information + CameraInformation(*problem.maps));
+  const Eigen::Vector3d shift =
+      share * Eigen::Vector3d(Median(off[0]), Median(off[1]), Median(off[2]));
+  for (std::size_t i = 0; i < solution->world_from_scan.size(); ++i) {
+    if (problem.placement->placed[i]) solution->world_from_scan[i].translation += shift;
+  }
+  for (Sim3& map : solution->world_from_metric) map.translation += shift;
+}
+
+Rest RestOf(const JointProblem& problem, const MapOptions& options,
+            const AssociationOptions& association) {
+  Rest rest;
+  rest.last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
+  // Below what the scans disagree by, a pose's move means nothing; nor, between scans that a map
+  // joins, below what its blocks do.
+  rest.stable = rest.stable_in_map = std::max(options.stable, association.floor_offset);
+  for (const auto& errors : problem.placement->errors) {
+    rest.stable_in_map = std::max(rest.stable_in_map, errors.block_sigma);
+  }
+  rest.joined = Components(problem.scans->size(), *problem.pairs);
+  rest.component = Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+  return rest;
 }
 
 // Directions (world) that every used registration of a scan leaves open.
@@ -251,18 +311,14 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   solution.world_from_scan = placement.world_from_scan;
   solution.world_from_metric = placement.world_from_metric;
   const MapWeights weights = WeighMaps(problem);
-  const std::vector<int> component =
-      Components(problem.scans->size(), *problem.pairs, *problem.map_pairs);
+  MoveToReceivers(problem, &solution);
   AssociationOptions association = MeasuredAssociation(problem);
   association.gate = kFirstGate;
-  const double last_gate = std::max(kLastGate, kFloorGate * association.floor_offset);
-  // Below what the scans disagree by, a pose's move means nothing.
-  const double stable = std::max(options.stable, association.floor_offset);
+  const Rest rest = RestOf(problem, options, association);
   // The last solve may find that the quick ones before it had only come to rest too early.
   do {
-    Rounds(problem, options, weights, component, {last_gate, stable}, &association, &solution);
-    FinishSolve(options, component, stable, &solution);
-  } while (solution.last_move >= stable && solution.rounds < options.most_rounds);
+    Rounds(problem, options, weights, rest, &association, &solution);
+  } while (!FinishSolve(options, rest, &solution) && solution.rounds < options.most_rounds);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;
   solution.seconds =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -19,7 +20,8 @@ constexpr std::size_t kMostInGroup = 24;
 constexpr double kLeastAgree = 0.1;     // of a scan's surfaces that the map must confirm
 constexpr double kMostOff = 0.15;       // metres: walls and roofs are thicker
 constexpr double kMostTurned = 0.0175;  // radians
-constexpr double kMostSigma = 0.1;      // metres, of a registration that stands by itself
+constexpr double kFoundScaleSigma = 0.003;
+constexpr double kMostSigma = 0.1;  // metres, of a registration that stands by itself
 
 double Seconds(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -68,6 +70,7 @@ class Placer {
   std::optional<MapPrior::Pose> PresentPose(const Group& group) const;
   std::optional<MapPrior::Pose> StartPrior(const Group& group) const;
   std::optional<MapPrior::Pose> OdometryPrior(const Group& group) const;
+  std::optional<MapPrior::Pose> GpsPrior(const Group& group) const;
   MapLocation Locate(const Group& group, std::size_t map) const;
   void Place(const Group& group, std::size_t map, const MapRefinement& found);
   void CorrectMap(const Group& group, std::size_t map, const Sim3& metric_from_group);
@@ -109,6 +112,22 @@ std::optional<MapPrior::Pose> Placer::OdometryPrior(const Group& group) const {
   return {};
 }
 
+// Roughly where the group is by the fix that is nearest to its first scan; its heading is open.
+std::optional<MapPrior::Pose> Placer::GpsPrior(const Group& group) const {
+  constexpr double kSigmas = 2.0;  // for the constant error and what outliers there are
+  std::optional<MapPrior::Pose> best;
+  for (const RobotPosition& fix : problem_.robot_positions) {
+    const auto found = std::find(group.scans.begin(), group.scans.end(), fix.scan);
+    if (found == group.scans.end()) continue;
+    const std::size_t k = static_cast<std::size_t>(found - group.scans.begin());
+    const double way = group.group.group_from_scan[k].translation.norm();
+    const double sigma = std::hypot(kSigmas * fix.sigma, way + fix.antenna.norm());
+    if (best && best->sigma_translation <= sigma) continue;
+    best = MapPrior::Pose{{Eigen::Quaterniond::Identity(), fix.position}, sigma, std::numbers::pi};
+  }
+  return best;
+}
+
 // World pose of a group that another map has placed.
 std::optional<MapPrior::Pose> Placer::PresentPose(const Group& group) const {
   constexpr double kSigma = 0.1, kSigmaRotation = 0.02;
@@ -121,10 +140,13 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
   MapLocationOptions options;
   options.threads = problem_.threads;
   options.prior.upright = map.has_position();
-  options.prior.sigma_scale = scale_known_[m] ? 0.003 : map.sigma_scale;
+  // A scale that another group has found is known far better than GPS tells, and elsewhere.
+  if (scale_known_[m]) options.prior.scale = 1.0 / placement_.world_from_metric[m].scale;
+  options.prior.sigma_scale = scale_known_[m] ? kFoundScaleSigma : map.sigma_scale;
   std::optional<MapPrior::Pose> pose = PresentPose(group);
   if (!pose) pose = OdometryPrior(group);
   if (!pose && map.has_position()) pose = StartPrior(group);
+  if (!pose && map.has_position()) pose = GpsPrior(group);
   if (pose && map.has_position() && !scale_known_[m]) {
     // The receiver's constant bias is as large as what changes of its error.
     pose->sigma_translation =

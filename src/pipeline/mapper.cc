@@ -6,6 +6,7 @@
 
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
+#include "planegraph/pipeline/joining.h"
 #include "planegraph/pipeline/joint_solve.h"
 #include "planegraph/solve/metascan.h"
 
@@ -57,12 +58,14 @@ std::vector<MapRecord> PrepareMaps(const Site& site, const MapOptions& options, 
   return maps;
 }
 
+constexpr int kStartFrame = -1, kPlacedFrame = -2;  // others: the robot's index
+
 // Scans of one robot are in one frame by its odometry or by registrations, robots with a start in
 // the world's: only such scans can be neighbours by their poses.
 std::vector<int> FramesOf(const Site& site, const std::vector<ScanRecord>& scans) {
   std::vector<int> frames;
   for (const ScanRecord& scan : scans) {
-    frames.push_back(site.robots[scan.robot].start ? -1 : static_cast<int>(scan.robot));
+    frames.push_back(site.robots[scan.robot].start ? kStartFrame : static_cast<int>(scan.robot));
   }
   return frames;
 }
@@ -72,6 +75,15 @@ void AddNeighbours(const std::vector<ScanModel>& models, const std::vector<Rigid
   auto more = RegisterNeighbours(models, poses, frames, result->pairs, options.registration,
                                  options.neighbours_per_scan, options.threads);
   std::move(more.begin(), more.end(), std::back_inserter(result->pairs));
+}
+
+// Robots that have nothing but their scans in common are joined by these.
+void JoinRobots(const std::vector<ScanModel>& models, const MapOptions& options,
+                std::vector<int>* frames, std::vector<Rigid3>* poses, MapResult* result) {
+  auto joined = JoinFrames(models, options.registration, options.threads, poses, frames);
+  if (joined.empty()) return;
+  std::move(joined.begin(), joined.end(), std::back_inserter(result->pairs));
+  if (options.optimizer == "graph") AddNeighbours(models, *poses, *frames, options, result);
 }
 
 // Registers scan to scan, along the way and around it (steps l to p of the paper), and finds poses
@@ -85,8 +97,10 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
       ChainPoses(result->site, result->scans, result->pairs, result->odometry);
+  std::vector<int> frames = FramesOf(result->site, result->scans);
+  if (options.optimizer == "graph") AddNeighbours(models, poses, frames, options, result);
+  if (result->maps.empty()) JoinRobots(models, options, &frames, &poses, result);
   if (options.optimizer == "graph") {
-    AddNeighbours(models, poses, FramesOf(result->site, result->scans), options, result);
     poses = SolveRelativePoses(result->pairs, result->odometry, poses, options.threads);
   }
   options.progress("registration", 1.0);
@@ -101,14 +115,18 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
   const std::vector<int> component = Components(result->scans.size(), result->pairs);
   PlaceInMaps({result->site, models, result->scans, component, result->odometry, result->maps,
-               map_models, options.threads},
+               map_models, result->robot_positions, options.threads},
               placement, &result->map_pairs);
+  std::vector<int> frames = FramesOf(result->site, result->scans);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (placement->placed[i]) frames[i] = kPlacedFrame;
+  }
   if (options.optimizer == "graph") {
-    std::vector<int> frames = FramesOf(result->site, result->scans);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      if (placement->placed[i]) frames[i] = -2;
-    }
     AddNeighbours(models, placement->world_from_scan, frames, options, result);
+  }
+  JoinRobots(models, options, &frames, &placement->world_from_scan, result);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i] == kPlacedFrame) placement->placed[i] = true;
   }
   auto records = RegisterToMaps(models, map_models, *placement, options.threads);
   std::move(records.begin(), records.end(), std::back_inserter(result->map_pairs));
@@ -167,7 +185,7 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
   if (options.optimizer == "graph") {
     result->solution =
         SolveJointly({&result->site, &result->scans, &result->pairs, &result->odometry,
-                      &result->maps, &result->map_pairs, &placement},
+                      &result->maps, &result->map_pairs, &placement, &result->robot_positions},
                      options);
   }
   if (options.optimizer == "metascan") {
@@ -191,6 +209,7 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     result.maps = PrepareMaps(site, options, &result);
   }
   result.odometry = OdometrySteps(site, result.scans);
+  result.robot_positions = ReadRobotPositions(site, result.scans, result.maps, &result.warnings);
   Placement placement;
   const std::vector<ScanModel> models = MakeModels(result.scans, options.threads);
   {

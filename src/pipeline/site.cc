@@ -10,6 +10,7 @@
 
 #include "pipeline/yaml_reader.h"
 #include "planegraph/base/error.h"
+#include "planegraph/io/gps_io.h"
 
 namespace planegraph {
 namespace {
@@ -34,6 +35,8 @@ class SiteReader : private YamlReader {
   std::vector<FilterStep> Filters(const YAML::Node& node) const;
   RobotSite Robot(const YAML::Node& node) const;
   DroneMapSite Map(const YAML::Node& node) const;
+  RobotGps Gps(const YAML::Node& robot, const RobotSite& site) const;
+  std::optional<GravityPrior> Gravity(const YAML::Node& node) const;
   std::optional<double> Positive(const YAML::Node& map, const std::string& key) const;
   GeodeticPosition Origin(const YAML::Node& node) const;
 };
@@ -168,8 +171,40 @@ std::vector<FilterStep> SiteReader::Filters(const YAML::Node& node) const {
   return steps;
 }
 
+// Positions belong to scans by the times of the odometry.
+RobotGps SiteReader::Gps(const YAML::Node& robot, const RobotSite& site) const {
+  RobotGps gps;
+  gps.file = File(robot, "gps");
+  if (!site.odometry || !site.odometry->has_times) {
+    Fail(robot["gps"], "gps needs an odometry with time stamps");
+  }
+  if (ReadGps(gps.file).by_image) Fail(robot["gps"], "a robot's gps needs times, not images");
+  if (robot["gps_lever"]) {
+    const auto lever = Numbers(robot["gps_lever"], 3, "gps_lever");
+    gps.lever = {lever[0], lever[1], lever[2]};
+  }
+  gps.sigma = Positive(robot, "gps_sigma").value_or(gps.sigma);
+  return gps;
+}
+
+std::optional<GravityPrior> SiteReader::Gravity(const YAML::Node& node) const {
+  if (!node) return std::nullopt;
+  AllowKeys(node, {"up", "sigma_deg"});
+  GravityPrior gravity;
+  if (node["up"]) {
+    const auto up = Numbers(node["up"], 3, "up");
+    gravity.up = {up[0], up[1], up[2]};
+    if (!(gravity.up.norm() > 1e-6)) Fail(node["up"], "up has no direction");
+    gravity.up.normalize();
+  }
+  const auto degrees = Positive(node, "sigma_deg");
+  if (degrees) gravity.sigma = *degrees * std::numbers::pi / 180.0;
+  return gravity;
+}
+
 RobotSite SiteReader::Robot(const YAML::Node& node) const {
-  AllowKeys(node, {"name", "scans", "format", "odometry", "start", "reference", "filters"});
+  AllowKeys(node, {"name", "scans", "format", "odometry", "start", "reference", "filters", "gps",
+                   "gps_lever", "gps_sigma", "gravity"});
   RobotSite robot;
   robot.name = Text(node, "name", "");
   if (robot.name.empty() || robot.name.find('/') != std::string::npos) {
@@ -182,6 +217,8 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   robot.reference = File(node, "reference");
   if (!robot.reference.empty()) ReadTrajectory(robot.reference);  // a bad one shows before the run
   if (node["filters"]) robot.filters = Filters(node["filters"]);
+  if (node["gps"]) robot.gps = Gps(node, robot);
+  robot.gravity = Gravity(node["gravity"]);
   return robot;
 }
 
@@ -205,11 +242,13 @@ GeodeticPosition SiteReader::Origin(const YAML::Node& node) const {
 }
 
 DroneMapSite SiteReader::Map(const YAML::Node& node) const {
-  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma"});
+  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma",
+                   "gravity"});
   DroneMapSite map{Text(node, "name", ""),     File(node, "cloud"),
                    File(node, "cameras"),      File(node, "gps"),
                    File(node, "image_times"),  Positive(node, "scale_sigma"),
                    Positive(node, "gps_sigma")};
+  map.gravity = Gravity(node["gravity"]);
   if (map.name.empty()) Fail(node, "a map needs a `name`");
   if (map.cloud.empty()) Fail(node, "a map needs a `cloud`");
   return map;

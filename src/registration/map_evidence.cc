@@ -86,7 +86,7 @@ struct Agreements {
   Eigen::Matrix3d good = Eigen::Matrix3d::Zero(), all = Eigen::Matrix3d::Zero();
 };
 
-std::vector<Agreements> MeasureSurfaces(const MapModel& map, const ScanGroup& group,
+std::vector<Agreements> CompareSurfaces(const MapModel& map, const ScanGroup& group,
                                         const Sim3& map_from_group, double gate,
                                         MapEvidence* evidence) {
   std::vector<Agreements> scans(group.scans.size());
@@ -146,11 +146,19 @@ double MapEvidence::ConfirmedShare() const {
   return spoken > 0.0 ? confirmed / spoken : 0.5;
 }
 
+MapEvidence MeasureSurfaces(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
+                            double gate) {
+  MapEvidence evidence;
+  evidence.expected_contradicted = map.sky().known() ? kContradicted : kMissed;
+  CompareSurfaces(map, group, map_from_group, gate, &evidence);
+  return evidence;
+}
+
 MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
                             double gate) {
   MapEvidence evidence;
   evidence.expected_contradicted = map.sky().known() ? kContradicted : kMissed;
-  JudgeBetterHalf(MeasureSurfaces(map, group, map_from_group, gate, &evidence), &evidence);
+  JudgeBetterHalf(CompareSurfaces(map, group, map_from_group, gate, &evidence), &evidence);
   MeasureView(map, group, map_from_group, &evidence);
   return evidence;
 }

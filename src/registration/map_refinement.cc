@@ -108,8 +108,10 @@ Vector7d Refiner::Step(const Sim3& pose, const std::vector<MapResidual>& residua
     gradient.noalias() += robust / variance * r.height * jacobian;
   }
   information(6, 6) += ScaleInformation();
-  // A scale that is held stays where the start has it; one that is not has its prior about 1.
-  if (options_.sigma_scale > 0.0) gradient(6) += ScaleInformation() * std::log(pose.scale);
+  // A scale that is held stays where the start has it.
+  if (options_.sigma_scale > 0.0) {
+    gradient(6) += ScaleInformation() * std::log(pose.scale / options_.scale);
+  }
   if (!(options_.sigma_scale > 0.0)) gradient(6) = 0.0;
   // A millionth of the mean information keeps open directions where they are.
   const double translation = information.diagonal().head<3>().mean();

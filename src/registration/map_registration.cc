@@ -5,8 +5,11 @@
 #include <cstdio>
 #include <map>
 
+#include "correspondence/direction_grid.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
+#include "registration/map_slides.h"
+#include "registration/start_prior.h"
 
 namespace planegraph {
 namespace {
@@ -98,6 +101,7 @@ std::vector<Start> FindStarts(const MapModel& map, const ScanGroup& group,
 MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start& start,
                         const MapLocationOptions& options) {
   MapRefinementOptions quick;
+  quick.scale = options.prior.scale;
   quick.sigma_scale = options.prior.sigma_scale;
   quick.most_surfels = 400;
   MapCandidate candidate;
@@ -113,13 +117,21 @@ MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start
   return candidate;
 }
 
-void SortByLikelihood(double background, std::vector<MapCandidate>* candidates) {
-  for (MapCandidate& c : *candidates) {
-    c.log_likelihood = LogLikelihoodRatio(c.evidence, background);
-  }
-  std::stable_sort(candidates->begin(), candidates->end(), [](const auto& a, const auto& b) {
-    return a.log_likelihood > b.log_likelihood;
-  });
+// Of its evidence and of the start.
+double LogPosterior(const MapCandidate& c) { return c.log_likelihood + c.log_prior; }
+
+// What is believed of a candidate, by its present pose and evidence.
+void Weigh(const MapModel& map, const MapPrior& prior, double background, MapCandidate* c) {
+  const Eigen::Vector3d extent = map.grid().high() - map.grid().low();
+  c->log_likelihood = LogLikelihoodRatio(c->evidence, background);
+  c->log_prior = LogStartRatio(extent, prior, c->refinement.map_from_group);
+}
+
+void SortBest(const MapModel& map, const MapPrior& prior, double background,
+              std::vector<MapCandidate>* candidates) {
+  for (MapCandidate& c : *candidates) Weigh(map, prior, background, &c);
+  std::stable_sort(candidates->begin(), candidates->end(),
+                   [](const auto& a, const auto& b) { return LogPosterior(a) > LogPosterior(b); });
 }
 
 // What wrong poses of this search look like: all but those near the best one.
@@ -142,7 +154,7 @@ std::vector<MapCandidate> RefineAll(const MapModel& map, const ScanGroup& group,
   // Where nothing fits, the surfaces pull the scale to where no prior would have it.
   const double most = kMostScaleSigmas * std::max(options.prior.sigma_scale, 0.005);
   std::erase_if(candidates, [&](const MapCandidate& c) {
-    return std::abs(std::log(c.refinement.map_from_group.scale)) > most;
+    return std::abs(std::log(c.refinement.map_from_group.scale / options.prior.scale)) > most;
   });
   return candidates;
 }
@@ -159,60 +171,96 @@ std::vector<MapCandidate> DifferentPoses(std::vector<MapCandidate> candidates, s
   return kept;
 }
 
-// Refines the best candidate with more surfaces. One that falls behind the next by it leaves its
-// place to that, until the first one is refined.
-void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
-                double background, std::vector<MapCandidate>* candidates) {
+// A candidate, refined with more surfaces from a pose near its own.
+MapCandidate RefineFinely(const MapModel& map, const ScanGroup& group, const Sim3& pose,
+                          const MapLocationOptions& options, double background) {
   MapRefinementOptions fine;
+  fine.scale = options.prior.scale;
   fine.sigma_scale = options.prior.sigma_scale;
   fine.first_gate = 0.3;
+  MapCandidate candidate;
+  candidate.refinement = RefineInMap(map, group, pose, fine);
+  candidate.evidence =
+      MeasureEvidence(map, group, candidate.refinement.map_from_group, options.gate);
+  Weigh(map, options.prior, background, &candidate);
+  return candidate;
+}
+
+// Refines the best candidate. One that falls behind the next by it leaves its place to that, until
+// the first one is refined.
+void RefineBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
+                double background, std::vector<MapCandidate>* candidates) {
   for (std::size_t k = 0; k < candidates->size(); ++k) {
     MapCandidate& best = candidates->front();
-    best.refinement = RefineInMap(map, group, best.refinement.map_from_group, fine);
-    best.evidence = MeasureEvidence(map, group, best.refinement.map_from_group, options.gate);
-    const double likelihood = LogLikelihoodRatio(best.evidence, background);
-    SortByLikelihood(background, candidates);
-    if (candidates->front().log_likelihood <= likelihood) return;
+    best = RefineFinely(map, group, best.refinement.map_from_group, options, background);
+    const double posterior = LogPosterior(best);
+    SortBest(map, options.prior, background, candidates);
+    if (LogPosterior(candidates->front()) <= posterior) return;
   }
 }
 
-// Each candidate may be where the scans stand, all with the same prior probability, and they may as
-// well stand nowhere in the map, where every pose is of the background.
-void ComputeProbabilities(MapLocation* location) {
+// The rival closest to the best candidate, which goes to it while that is the better one.
+Slide SlideBest(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
+                double background, MapCandidate* best) {
+  constexpr int kMostMoves = 2;
+  Slide slide = ClosestSlide(map, group, best->refinement, options.gate);
+  for (int k = 0; k < kMostMoves && slide.lead < 0.0; ++k) {
+    MapCandidate moved = RefineFinely(map, group, slide.map_from_group, options, background);
+    const Slide next = ClosestSlide(map, group, moved.refinement, options.gate);
+    if (next.lead <= slide.lead) break;
+    *best = std::move(moved);
+    slide = next;
+  }
+  return slide;
+}
+
+// Each candidate may be where the scans stand, with what the start says of it as prior probability,
+// and they may as well stand nowhere in the map, where every pose is of the background.
+void ComputeProbabilities(const Slide& slide, MapLocation* location) {
   auto& candidates = location->candidates;
-  const double top = std::max(0.0, candidates.front().log_likelihood);
-  for (MapCandidate& c : candidates) c.probability = std::exp(c.log_likelihood - top);
+  const double top = std::max(0.0, LogPosterior(candidates.front()));
+  for (MapCandidate& c : candidates) c.probability = std::exp(LogPosterior(c) - top);
   location->nowhere = static_cast<double>(candidates.size()) * std::exp(-top);
-  double wrong = location->nowhere;
+  location->slid = candidates.front().probability * std::exp(-std::max(0.0, slide.lead));
+  double wrong = location->nowhere + location->slid;
   for (std::size_t k = 1; k < candidates.size(); ++k) wrong += candidates[k].probability;
   const double all = candidates.front().probability + wrong;
   for (MapCandidate& c : candidates) c.probability /= all;
   location->chance = wrong / all;
   location->nowhere /= all;
+  location->slid /= all;
   location->r1 = candidates[0].probability;
   if (candidates.size() > 1) location->r2 = candidates[1].probability;
 }
 
-void Decide(const MapLocationOptions& options, MapLocation* location) {
-  const MapEvidence& best = location->candidates.front().evidence;
+std::string ReasonOf(const MapLocation& location, double most_chance, double slid_metres) {
+  const MapEvidence& best = location.candidates.front().evidence;
+  char text[200];
+  if (location.nowhere > most_chance) {
+    std::snprintf(text, sizeof(text),
+                  "chance could have made the best place: the map confirms %.0f %% of the surfaces "
+                  "and contradicts %.0f %%, probability of an error %.1e",
+                  100.0 * best.confirmed, 100.0 * best.contradicted, location.chance);
+  } else if (location.slid > location.r2) {
+    std::snprintf(text, sizeof(text),
+                  "%.2f m beside it the best place fits nearly as well: probability %.4f",
+                  slid_metres, location.slid);
+  } else {
+    std::snprintf(text, sizeof(text),
+                  "another place fits nearly as well: probabilities %.4f and %.4f", location.r1,
+                  location.r2);
+  }
+  return text;
+}
+
+void Decide(const MapLocationOptions& options, const Slide& slide, MapLocation* location) {
   if (location->chance <= options.most_chance) {
     location->status = RegistrationStatus::kOk;
     return;
   }
-  char text[200];
-  if (location->nowhere > options.most_chance) {
-    location->status = RegistrationStatus::kFailed;
-    std::snprintf(text, sizeof(text),
-                  "chance could have made the best place: the map confirms %.0f %% of the surfaces "
-                  "and contradicts %.0f %%, probability of an error %.1e",
-                  100.0 * best.confirmed, 100.0 * best.contradicted, location->chance);
-  } else {
-    location->status = RegistrationStatus::kAmbiguous;
-    std::snprintf(text, sizeof(text),
-                  "another place fits nearly as well: probabilities %.4f and %.4f", location->r1,
-                  location->r2);
-  }
-  location->reason = text;
+  location->status = location->nowhere > options.most_chance ? RegistrationStatus::kFailed
+                                                             : RegistrationStatus::kAmbiguous;
+  location->reason = ReasonOf(*location, options.most_chance, slide.metres);
 }
 
 }  // namespace
@@ -249,13 +297,15 @@ MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
     location.reason = "the scans and the map have no two plane directions at equal angles";
     return location;
   }
-  SortByLikelihood(kFirstBackground, &candidates);
+  SortBest(map, options.prior, kFirstBackground, &candidates);
   location.background = BackgroundOf(candidates);
-  SortByLikelihood(location.background, &candidates);
+  SortBest(map, options.prior, location.background, &candidates);
   location.candidates = DifferentPoses(std::move(candidates), kMostCandidates);
   RefineBest(map, group, options, location.background, &location.candidates);
-  ComputeProbabilities(&location);
-  Decide(options, &location);
+  const Slide slide =
+      SlideBest(map, group, options, location.background, &location.candidates.front());
+  ComputeProbabilities(slide, &location);
+  Decide(options, slide, &location);
   return location;
 }
 

@@ -47,6 +47,16 @@ Rigid3 RoughStart(const Rigid3& truth, Random* random) {
   return start;
 }
 
+SimulatedGps SimulateRobotGps(const SimulatedRobot& robot, const GpsOptions& options,
+                              Random* random) {
+  Flight way;
+  way.times = robot.times;
+  for (const Rigid3& pose : robot.truth) {
+    way.world_from_camera.push_back({pose.rotation, pose * kAntenna});
+  }
+  return SimulateGps(way, options, random);
+}
+
 SimulatedRobot SimulateRobot(const Scene& scene, const RayCaster& caster, std::size_t index,
                              const SimulationOptions& options) {
   const std::uint64_t streams = kStreamsPerRobot * index;
@@ -58,7 +68,11 @@ SimulatedRobot SimulateRobot(const Scene& scene, const RayCaster& caster, std::s
   Random odometry_random(options.seed, streams + kOdometryStream);
   robot.odometry = SimulateOdometry(robot.truth, options.odometry, &odometry_random);
   Random start_random(options.seed, streams + kStartStream);
-  if (HasDrone(options)) robot.start = RoughStart(robot.truth.front(), &start_random);
+  if (HasDrone(options)) {
+    robot.start = RoughStart(robot.truth.front(), &start_random);
+    Random gps_random(options.seed, streams + kRobotGpsStream);
+    robot.gps = SimulateRobotGps(robot, options.drone.gps, &gps_random);
+  }
   robot.scans.resize(robot.truth.size());
   ParallelFor(robot.scans.size(), options.threads, [&](std::size_t k) {
     Random random(options.seed, streams + kFirstScanStream + k);

@@ -66,16 +66,6 @@ std::string ImageTimesText(const Flight& flight) {
   return text;
 }
 
-std::string GpsText(const SimulatedGps& track, const GeodeticPosition& origin) {
-  const LocalFrame frame(origin);
-  std::string text = "time,lat,lon,alt\n";
-  for (std::size_t k = 0; k < track.times.size(); ++k) {
-    const GeodeticPosition at = frame.ToGeodetic(track.positions[k]);
-    text += Format("%.3f,%.9f,%.9f,%.3f\n", track.times[k], at.latitude, at.longitude, at.altitude);
-  }
-  return text;
-}
-
 nlohmann::json AsJson(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::string SimilarityText(const SimulatedDrone& drone) {
@@ -97,6 +87,16 @@ std::string SimilarityText(const SimulatedDrone& drone) {
 }
 
 }  // namespace
+
+std::string GpsText(const SimulatedGps& track, const GeodeticPosition& origin) {
+  const LocalFrame frame(origin);
+  std::string text = "time,lat,lon,alt\n";
+  for (std::size_t k = 0; k < track.times.size(); ++k) {
+    const GeodeticPosition at = frame.ToGeodetic(track.positions[k]);
+    text += Format("%.3f,%.9f,%.9f,%.3f\n", track.times[k], at.latitude, at.longitude, at.altitude);
+  }
+  return text;
+}
 
 void WriteDrone(const std::string& folder, const SimulatedDrone& drone) {
   const std::string uav = folder + "/uav", truth = folder + "/truth";

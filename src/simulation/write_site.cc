@@ -61,10 +61,23 @@ std::string StartText(const Rigid3& start) {
   return text;
 }
 
-std::string RobotText(const SimulatedRobot& robot, const std::string& folder, bool with_start) {
+// What a site file says beside the scans.
+struct Given {
+  bool drone = false, start = false, gps = false;
+};
+
+std::string GpsKeys(const std::string& folder) {
+  char text[256];
+  std::snprintf(text, sizeof(text), "    gps: %sgps.csv\n    gps_lever: [%.1f, %.1f, %.1f]\n",
+                folder.c_str(), kAntenna.x(), kAntenna.y(), kAntenna.z());
+  return text;
+}
+
+std::string RobotText(const SimulatedRobot& robot, const std::string& folder, const Given& given) {
   return "  - name: " + robot.name + "\n    scans: " + folder +
          "scans/scan*.ply\n    odometry: " + folder + "odometry.tum\n" +
-         (with_start && robot.start ? StartText(*robot.start) : "") + "    reference: " + folder +
+         (given.start && robot.start ? StartText(*robot.start) : "") +
+         (given.gps ? GpsKeys(folder) : "") + "    reference: " + folder +
          "truth.tum   # for evaluation alone\n";
 }
 
@@ -75,14 +88,14 @@ std::string OriginText(const GeodeticPosition& origin) {
   return text;
 }
 
-std::string SiteFile(const SimulatedSite& site, bool with_drone, bool with_start) {
+std::string SiteFile(const SimulatedSite& site, const Given& given) {
   std::string text = "name: " + site.name + "\n";
-  if (with_drone) text += OriginText(site.drone->origin);
+  if (given.drone) text += OriginText(site.drone->origin);
   text += "robots:\n";
   for (const SimulatedRobot& robot : site.robots) {
-    text += RobotText(robot, RobotFolder(site, robot), with_start);
+    text += RobotText(robot, RobotFolder(site, robot), given);
   }
-  if (!with_drone) return text;
+  if (!given.drone) return text;
   return text +
          "maps:\n"
          "  - name: uav1\n"
@@ -93,17 +106,18 @@ std::string SiteFile(const SimulatedSite& site, bool with_drone, bool with_start
 }
 
 void WriteSiteFiles(const std::string& folder, const SimulatedSite& site) {
-  const std::string no_start = folder + "/site_nostart.yaml";
-  const std::string laser_only = folder + "/site_laser_only.yaml";
-  WriteTextFile(folder + "/site.yaml", SiteFile(site, site.drone.has_value(), true));
-  if (site.drone) {
-    WriteTextFile(no_start, SiteFile(site, true, false));
-    WriteTextFile(laser_only, SiteFile(site, false, false));
-    return;
+  const bool drone = site.drone.has_value();
+  WriteTextFile(folder + "/site.yaml", SiteFile(site, {.drone = drone, .start = true}));
+  const std::pair<const char*, Given> others[] = {
+      {"/site_nostart.yaml", {.drone = true}},
+      {"/site_gps.yaml", {.drone = true, .gps = true}},
+      {"/site_laser_only.yaml", {}},
+  };
+  for (const auto& [name, given] : others) {
+    std::error_code ignored;
+    std::filesystem::remove(folder + name, ignored);
+    if (drone) WriteTextFile(folder + name, SiteFile(site, given));
   }
-  std::error_code ignored;
-  std::filesystem::remove(no_start, ignored);
-  std::filesystem::remove(laser_only, ignored);
 }
 
 }  // namespace
@@ -114,6 +128,9 @@ void WriteSite(const std::string& folder, const SimulatedSite& site) {
     WriteScans(folder + "/" + own + "scans", folder + "/truth/labels/" + own, robot.scans);
     WriteTum(folder + "/" + own + "odometry.tum", {robot.times, robot.odometry});
     WriteTum(folder + "/" + own + "truth.tum", {robot.times, robot.truth});
+    if (site.drone) {
+      WriteTextFile(folder + "/" + own + "gps.csv", GpsText(robot.gps, site.drone->origin));
+    }
   }
   WriteTextFile(folder + "/truth/planes.json", PlanesAsJson(site.planes));
   if (site.drone) WriteDrone(folder, *site.drone);

@@ -108,6 +108,57 @@ TEST_F(HybridYard, JoinsLaserAndDrone) {
   }
 }
 
+// Largest error of the robot's positions in the world, metres.
+double LargestInWorld(const MapResult& result, const SimulatedSite& site) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    largest = std::max(largest, (result.solution.world_from_scan[i].translation -
+                                 site.robots[0].truth[i].translation)
+                                    .norm());
+  }
+  return largest;
+}
+
+TEST_F(HybridYard, ARobotsReceiverPlacesTheSiteOnTheEarth) {
+  Site site = Read("site_gps.yaml");
+  ASSERT_TRUE(site.robots[0].gps.has_value());
+  const MapResult noisy = MapScans(site, Options("graph"));
+  EXPECT_EQ(noisy.components, 1);
+  EXPECT_EQ(noisy.robot_positions.size(), noisy.scans.size());
+  EXPECT_LT(LargestInMap(noisy, yard_, 0), 0.15);
+  // Positions to the centimetre settle what the drone's receiver, off by a metre, leaves open.
+  SimulatedGps exact = yard_.robots[0].gps;
+  exact.times = yard_.robots[0].times;
+  exact.positions.clear();
+  for (const Rigid3& pose : yard_.robots[0].truth) exact.positions.push_back(pose * kAntenna);
+  std::ofstream(Path("site/gps.csv")) << GpsText(exact, yard_.drone->origin);
+  site.robots[0].gps->sigma = 0.01;
+  const MapResult placed = MapScans(site, Options("graph"));
+  EXPECT_EQ(placed.components, 1);
+  EXPECT_LT(LargestInWorld(placed, yard_), 0.05);
+  EXPECT_GT(LargestInWorld(MapScans(Read("site.yaml"), Options("graph")), yard_), 0.1);
+}
+
+TEST_F(HybridYard, WithoutAMapOnTheEarthReceiversAreLeftOutWithAWarning) {
+  Site site = Read("site_laser_only.yaml");
+  site.robots[0].gps = Read("site_gps.yaml").robots[0].gps;
+  const MapResult result = MapScans(site, Options("graph"));
+  EXPECT_TRUE(result.robot_positions.empty());
+  EXPECT_FALSE(result.warnings.empty());
+}
+
+TEST_F(HybridYard, KnownTiltsHoldTheVertical) {
+  Site site = Read("site.yaml");
+  // What the truth says of the vertical in the map's own frame; the cameras' positions, which err
+  // by metres, leave a tenth of a degree.
+  const Sim3& truth = yard_.drone->model.world_from_map;
+  site.maps[0].gravity = GravityPrior{truth.rotation.conjugate() * Eigen::Vector3d::UnitZ(), 1e-5};
+  const MapResult result = MapScans(site, Options("graph"));
+  const Sim3 found = result.solution.world_from_metric[0] * result.maps[0].metric_from_map;
+  const Eigen::Vector3d up = found.rotation * site.maps[0].gravity->up;
+  EXPECT_LT((up - Eigen::Vector3d::UnitZ()).norm(), 2e-4);
+}
+
 TEST_F(HybridYard, TheMapDoesNotBendTheWay) {
   const MapResult with = MapScans(Read("site.yaml"), Options("graph"));
   const MapResult without = MapScans(Read("site_laser_only.yaml"), Options("graph"));

@@ -89,6 +89,35 @@ maps:
   EXPECT_FALSE(ReadSite(Write("b.yaml", "robots: [{name: a, scans: scans}]")).origin.has_value());
 }
 
+TEST_F(SiteFile, ReadsReceiversAndGravity) {
+  Write("odometry.tum", "1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0 1\n3.5 2 0 0 0 0 0 1\n");
+  Write("gps.csv", "time,lat,lon,alt\n1,51.5,7.5,100\n4,51.5,7.5,100\n");
+  Write("uav/cloud.ply", "");
+  const std::string robot =
+      "robots:\n  - name: a\n    scans: scans\n    odometry: odometry.tum\n    ";
+  const Site site = ReadSite(Write("site.yaml", robot + R"(gps: gps.csv
+    gps_lever: [0.1, -0.2, 0.5]
+    gps_sigma: 0.3
+    gravity: {up: [0, 0, 2], sigma_deg: 18}
+maps: [{name: m, cloud: uav/cloud.ply, gravity: {up: [0, 1, 0]}}]
+)"));
+  ASSERT_TRUE(site.robots[0].gps.has_value());
+  EXPECT_THAT(site.robots[0].gps->file, EndsWith("gps.csv"));
+  EXPECT_EQ(site.robots[0].gps->lever, Eigen::Vector3d(0.1, -0.2, 0.5));
+  EXPECT_EQ(site.robots[0].gps->sigma, 0.3);
+  ASSERT_TRUE(site.robots[0].gravity.has_value());
+  EXPECT_EQ(site.robots[0].gravity->up, Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(site.robots[0].gravity->sigma, std::numbers::pi / 10, 1e-15);
+  ASSERT_TRUE(site.maps[0].gravity.has_value());
+  EXPECT_EQ(site.maps[0].gravity->up, Eigen::Vector3d::UnitY());
+  ExpectError(robot + "gps: nowhere.csv\n", "5", "nowhere.csv");
+  ExpectError(robot + "gps: gps.csv\n    gps_lever: [1, 2]\n", "6", "3 numbers");
+  ExpectError(robot + "gps: gps.csv\n    gps_sigma: 0\n", "6", "positive");
+  ExpectError(robot + "gravity: {up: [0, 0, 0]}\n", "5", "no direction");
+  ExpectError(robot + "gravity: {down: [0, 0, 0]}\n", "5", "'down'");
+  ExpectError("robots:\n  - name: a\n    scans: scans\n    gps: gps.csv\n", "4", "time stamps");
+}
+
 TEST_F(SiteFile, OriginsAndSigmasThatMakeNoSense) {
   const std::string robots = "robots: [{name: a, scans: scans}]\n";
   ExpectError(robots + "origin: {lat: 51, lon: 7}\n", "2", "`alt`");

@@ -54,6 +54,24 @@ TEST(LocateInMap, IsEquivariant) {
   }
 }
 
+// What a first robot found counts for the second: a scale that is known well, and is not 1.
+TEST(LocateInMap, TheScaleMayBeKnownToBeAnother) {
+  const double scale = 1.04;
+  const VillageMap map(Village(), Sim3(scale, Eigen::Quaterniond::Identity(), {0, 0, 0}));
+  const Rigid3 pose = MakePose(0, 0, 1.3, 0.4);
+  const MadeScan scan(Village(), pose, 1);
+  MapLocationOptions options;
+  options.prior.upright = true;
+  options.prior.scale = scale;
+  options.prior.sigma_scale = 0.003;
+  options.threads = 2;
+  const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
+  ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
+  const Sim3& best = found.candidates.front().refinement.map_from_group;
+  EXPECT_NEAR(best.scale, scale, 0.003);
+  EXPECT_LT((best.translation - scale * pose.translation).norm(), 0.05);
+}
+
 TEST(LocateInMap, EqualForAnyNumberOfThreads) {
   const VillageMap village;
   const MadeScan scan(Village(), MakePose(0, 0, 1.3, 0.4), 1);
@@ -111,7 +129,7 @@ TEST(LocateInMap, TheBestCandidateComesFirstAndItsChanceIsAProbability) {
     options.prior.upright = true;
     const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
     for (std::size_t k = 1; k < found.candidates.size(); ++k) {
-      EXPECT_LE(found.candidates[k].log_likelihood, found.candidates[k - 1].log_likelihood);
+      EXPECT_LE(found.candidates[k].probability, found.candidates[k - 1].probability);
     }
     EXPECT_GE(found.r1, found.r2);
     EXPECT_LE(found.chance, 1.0);
@@ -142,6 +160,34 @@ TEST(LocateInMap, ATwoFoldSymmetryIsAmbiguous) {
   const MapLocation guided = LocateInMap(map.model(), ScanGroup(scan.model()), options);
   ASSERT_EQ(guided.status, RegistrationStatus::kOk) << guided.reason;
   ExpectNear(guided.candidates.front().refinement.map_from_group, truth, 0.05, 0.005);
+}
+
+// A street along x without end, of houses at different depths, and one wall across it.
+RayWorld Street(double wall_x) {
+  RayWorld world;
+  world.AddFace({0, 0, 0}, Eigen::Vector3d::UnitZ(), 14.0, 45.0);
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Vector3d normal(0, -side, 0);
+    world.AddFace({-25, side * 7.0, 3.0}, normal, 20.0, 3.0);
+    world.AddFace({25, side * 8.5, 2.0}, normal, 20.0, 2.0);
+  }
+  world.AddFace({wall_x, 4.5, 1.5}, -Eigen::Vector3d::UnitX(), 1.0, 1.5);
+  return world;
+}
+
+// The map has the wall's other side, or another wall: what is left along the street is its word.
+TEST(LocateInMap, APoseThatOneWallHoldsInADirectionIsNotOk) {
+  const VillageMap map(Street(12.4));
+  const Rigid3 pose = MakePose(0, 0, 1.3, 0.1);
+  const MadeScan scan(Street(12.0), pose, 1, 60000);
+  MapLocationOptions options;
+  options.threads = 2;
+  options.prior.upright = true;
+  options.prior.pose = MapPrior::Pose{MakePose(0.5, -0.5, 1.5, 0.2), 1.0, 0.17};
+  const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
+  EXPECT_NE(found.status, RegistrationStatus::kOk);
+  EXPECT_GT(found.slid, options.most_chance);
+  EXPECT_NE(found.reason, "");
 }
 
 TEST(LocateInMap, AScanOfElsewhereIsRefused) {

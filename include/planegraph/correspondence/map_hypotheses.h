@@ -19,6 +19,7 @@ struct MapPrior {
     double sigma_rotation;     ///< radians, each axis
   };
   std::optional<Pose> pose;   ///< absent: anywhere in the map
+  double scale = 1.0;         ///< of the map's frame: units per metre, as far as it is known
   double sigma_scale = 0.02;  ///< standard deviation of log(scale), mean 0
   /// The map's z axis points up, and the scanners stand about upright.
   bool upright = false;

@@ -59,11 +59,15 @@ struct PlaneLandmark {
 
 /// A measurement between poses, or of one pose. What the fields mean is the business of its type
 /// (see `planegraph factors`). For `relative_pose`: poses (target, source), measurement
-/// target_from_source; for `pose_prior`: one pose, measurement world_from_node.
+/// target_from_source; for `pose_prior`: one pose, measurement world_from_node. For
+/// `robot_position`: `point` is the antenna in the scan's frame, the measurement's translation
+/// where it was; for `gravity`: `point` is the direction upwards in the scan's frame, the
+/// measurement's translation that in the world.
 struct PoseFactor {
   std::string type = "relative_pose";
   std::vector<int> poses;
   Rigid3 measurement;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
   /// 6x6, order x y z rx ry rz of the decoupled left perturbation in the target's (world's) axes,
   /// metres and radians. It may be rank-deficient.
   Matrix6d information = Matrix6d::Identity();
@@ -78,7 +82,8 @@ PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d
 
 /// A measurement of one map, or between two. For `camera_position`: the map and one of its cameras,
 /// `point` (map frame) at `position` (world, metres) by GPS, `information` in its upper left 3x3
-/// block. For `map_tie`: maps (target, source) with `measurement` target_from_source.
+/// block. For `map_gravity`: `point` is the direction upwards in the map, `position` that in the
+/// world. For `map_tie`: maps (target, source) with `measurement` target_from_source.
 struct MapFactor {
   std::string type = "camera_position";
   std::vector<int> maps;

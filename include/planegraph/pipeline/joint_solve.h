@@ -27,6 +27,7 @@ struct JointProblem {
   const std::vector<MapRecord>* maps = nullptr;
   const std::vector<MapPairRecord>* map_pairs = nullptr;
   const Placement* placement = nullptr;
+  const std::vector<RobotPosition>* robot_positions = nullptr;
 };
 
 /// Association and solve in turns, from a wide gate to a narrow one, until no pose moves: ONE graph

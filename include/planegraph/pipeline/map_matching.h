@@ -6,6 +6,7 @@
 #include "planegraph/pipeline/front_end.h"
 #include "planegraph/pipeline/map_front_end.h"
 #include "planegraph/pipeline/pairing.h"
+#include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/registration/map_registration.h"
 
 namespace planegraph {
@@ -39,6 +40,7 @@ struct PlacementProblem {
   const std::vector<OdometryStep>& odometry;
   const std::vector<MapRecord>& maps;
   const std::vector<MapModel>& map_models;
+  const std::vector<RobotPosition>& robot_positions;
   int threads = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "planegraph/pipeline/map_front_end.h"
 #include "planegraph/pipeline/map_matching.h"
 #include "planegraph/pipeline/pairing.h"
+#include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/pipeline/site.h"
 #include "planegraph/solve/association.h"
 #include "planegraph/solve/marginal_graph.h"
@@ -56,6 +57,7 @@ struct MapResult {
   std::vector<OdometryStep> odometry;
   std::vector<MapRecord> maps;
   std::vector<MapPairRecord> map_pairs;
+  std::vector<RobotPosition> robot_positions;  ///< by GPS, world
   JointSolution solution;
   std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
   std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map

@@ -18,6 +18,19 @@ struct StartPose {
   double sigma_rotation = 0.17;    ///< radians, per axis
 };
 
+/// What a robot's receiver tells of its way.
+struct RobotGps {
+  std::string file;                                 ///< as for `georeference`, by time
+  Eigen::Vector3d lever = Eigen::Vector3d::Zero();  ///< metres: the antenna in the scans' frame
+  double sigma = 1.5;                               ///< metres, of one position and axis
+};
+
+/// The direction upwards in a frame, for levelled scanners and maps.
+struct GravityPrior {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  double sigma = 0.0087;  ///< radians
+};
+
 /// A robot's scans in order, and what is known of its way.
 struct RobotSite {
   std::string name;
@@ -27,14 +40,17 @@ struct RobotSite {
   std::optional<StartPose> start;
   std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
   std::vector<FilterStep> filters;
+  std::optional<RobotGps> gps;
+  std::optional<GravityPrior> gravity;  ///< in the frame of every scan
 };
 
 /// A drone map, as the site file names it.
 struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
-  std::optional<double> scale_sigma;  ///< relative; in place of what the positions tell
-  std::optional<double> gps_sigma;    ///< metres, of one position and axis; likewise
-  double scale = 1.0;                 ///< metres per unit, where no positions tell
+  std::optional<double> scale_sigma;         ///< relative; in place of what the positions tell
+  std::optional<double> gps_sigma;           ///< metres, of one position and axis; likewise
+  double scale = 1.0;                        ///< metres per unit, where no positions tell
+  std::optional<GravityPrior> gravity = {};  ///< in the map's own frame
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working

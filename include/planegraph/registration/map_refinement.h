@@ -13,7 +13,8 @@ struct MapRefinementOptions {
   double last_gate = 0.15;  ///< metres, of the last one: below the thickness of walls and roofs
   int most_iterations = 25;
   std::size_t most_surfels = 1500;  ///< of all scans together
-  double sigma_scale = 0.02;        ///< of log(scale), about 1; 0: the scale is held
+  double scale = 1.0;               ///< prior of the scale
+  double sigma_scale = 0.02;        ///< of log(scale) about it; 0: the scale is held
 };
 
 /// A pair of surfaces that lie on each other: its height over the map's plane, for the statistics.

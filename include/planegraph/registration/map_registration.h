@@ -14,6 +14,7 @@ struct MapCandidate {
   MapRefinement refinement;
   MapEvidence evidence;
   double log_likelihood = 0.0;  ///< over that of a pose without any relation to the truth, nats
+  double log_prior = 0.0;       ///< by the start, over that of the window searched, nats
   /// That this is where the scans stand, among all candidates and the chance that it is none of
   /// them.
   double probability = 0.0;
@@ -37,6 +38,7 @@ struct MapLocation {
   double chance = 1.0;                   ///< probability that the best one is wrong
   double background = 0.5;               ///< what of the map's word wrong poses get confirmed
   double nowhere = 1.0;                  ///< and of it, that the scans stand at none of them
+  double slid = 0.0;                     ///< and of it, that they stand some decimetres beside it
 };
 
 /// Planes of the map and of a scan that lie on each other, by the scan's samples, most first.

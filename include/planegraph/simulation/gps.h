@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
+#include "planegraph/io/local_frame.h"
 #include "planegraph/simulation/flight.h"
 #include "planegraph/simulation/random.h"
 
@@ -30,5 +32,8 @@ Eigen::Vector3d PositionAt(const Flight& flight, double time);
 
 /// Fixes from the first image to the last. Throws UsageError for options that make no sense.
 SimulatedGps SimulateGps(const Flight& flight, const GpsOptions& options, Random* random);
+
+/// The fixes as a CSV: time,lat,lon,alt.
+std::string GpsText(const SimulatedGps& track, const GeodeticPosition& origin);
 
 }  // namespace planegraph

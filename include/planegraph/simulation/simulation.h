@@ -45,7 +45,12 @@ struct SimulatedRobot {
   /// Roughly where the first scan was taken (world_from_scan): level, and within 1 m on each axis
   /// and 10 degrees of heading. Present where there is a drone, which ties the world to the earth.
   std::optional<Rigid3> start;
+  /// Fixes of the antenna on its mast, world frame; empty without a drone.
+  SimulatedGps gps;
 };
+
+/// Where a robot carries its antenna, scan's frame, metres.
+inline const Eigen::Vector3d kAntenna{-0.3, 0.1, 0.4};
 
 /// A site with exact truth.
 struct SimulatedSite {
@@ -65,7 +70,8 @@ SimulatedSite Simulate(const SimulationOptions& options);
 /// x y z), odometry.tum, truth.tum, and beside them truth/planes.json (`planes[]` with id, normal,
 /// distance) and truth/labels/scanNNN.ply (the same points with an int property `plane`, -1: none).
 /// With several robots these lie in ROBOT/ and truth/labels/ROBOT/. With a drone, the files of
-/// WriteDrone, and site_nostart.yaml (no start poses) and site_laser_only.yaml (no drone either).
+/// WriteDrone, gps.csv of each robot, and site_nostart.yaml (no start poses), site_gps.yaml (no
+/// start poses, but the robots' GPS) and site_laser_only.yaml (no drone either).
 /// What an earlier, larger run left in that folder is removed. Throws InputError.
 void WriteSite(const std::string& folder, const SimulatedSite& site);
 
