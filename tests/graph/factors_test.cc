@@ -76,6 +76,7 @@ MatrixXd AnalyticJacobian(const FactorSample& sample, std::size_t block) {
 }
 
 double LengthOf(const FactorSample& sample) {
+  if (sample.length > 0.0) return sample.length;
   double length = 1e-3;
   for (std::size_t block = 0; block < sample.kinds.size(); ++block) {
     const auto& value = sample.values[block];
@@ -132,6 +133,7 @@ TEST_P(EveryFactor, SaysWhatItIs) {
   EXPECT_EQ(static_cast<bool>(type().add_plane),
             kind == FactorKind::kPlane || kind == FactorKind::kMapPlane);
   EXPECT_EQ(static_cast<bool>(type().make_cost), kind == FactorKind::kPose);
+  EXPECT_EQ(static_cast<bool>(type().make_pair_cost), kind == FactorKind::kPlanePair);
   EXPECT_EQ(static_cast<bool>(type().make_map_cost), kind == FactorKind::kMap);
 }
 
@@ -177,8 +179,8 @@ TEST(JacobianTest, FindsAWrongJacobian) {
 // Collects the cost functions that a factor makes.
 class Collector final : public ResidualSink {
  public:
-  void Add(std::unique_ptr<ceres::CostFunction> cost, std::initializer_list<BlockRef>,
-           const ResidualTag&, double weight) override {
+  void Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef>, const ResidualTag&,
+           double weight) override {
     costs.push_back(std::move(cost));
     weights.push_back(weight);
   }
@@ -252,6 +254,29 @@ TEST(PlanePosePose, PairsOfAPlaneSeenKTimesWeighTwoOverK) {
   BuiltinFactors().Get("pose_pose", FactorKind::kPlane).add_plane(graph, 0, {}, &collector);
   ASSERT_EQ(collector.costs.size(), 10u);
   for (const double weight : collector.weights) EXPECT_DOUBLE_EQ(weight, 0.4);
+}
+
+TEST(FactorRegistry, ParsesNamesWithOptions) {
+  const FactorRegistry& all = BuiltinFactors();
+  EXPECT_TRUE(all.Parse("moments", FactorKind::kPlane).options.empty());
+  const FactorChoice choice = all.Parse("unit_quaternion:unit_length=2.5", FactorKind::kPlane);
+  EXPECT_EQ(choice.name, "unit_quaternion");
+  EXPECT_EQ(choice.options, (FactorOptions{{"unit_length", 2.5}}));
+  for (const char* text :
+       {"", "nothing", "unit_quaternion:unit_length",
+        "unit_quaternion:unit_length=", "unit_quaternion:unit_length=x",
+        "unit_quaternion:unit_length=inf", "moments:unit_length=1", "parallel"}) {
+    EXPECT_THROW(all.Parse(text, FactorKind::kPlane), UsageError) << text;
+  }
+}
+
+TEST(FactorRegistry, EveryPlaneFactorKnowsItsCounterpartForMaps) {
+  for (const auto& [name, type] : BuiltinFactors().types()) {
+    if (type.kind != FactorKind::kPlane) continue;
+    const FactorType* in_maps = BuiltinFactors().MapPlaneFactorFor(type);
+    if (in_maps == nullptr) continue;
+    EXPECT_EQ(in_maps->plane_blocks, type.plane_blocks) << name;
+  }
 }
 
 TEST(FactorRegistry, NamesAreUniqueAndKindsAreKept) {
