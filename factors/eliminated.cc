@@ -5,19 +5,21 @@
 //
 //   r = [ r_i (T_i, n*, e*) ]        (n*, e*) = argmin of sum |r_i|^2 under the present poses
 //
-// Each residual is linear in x = (n, e), r = g(T) . x, so that (n*, e*) is the smallest eigenvector
-// of Q = sum g g^T under |n| = 1, and its change with the poses follows from the bordered system
+// Each residual is linear in x = (n, e), r = G x. With the offset at its best for a given n, which
+// is that of the weighted mean of the centroids, r = A n is left: n* is the last right singular
+// vector of A = U S V^T (not the eigenvector of A^T A, which has half of the digits), and
 //
-//   [ Q - l D   -D x ] [ dx ]     [ dQ x ]
-//   [ (D x)^T     0  ] [ dl ] = - [  0   ]        D = diag(1, 1, 1, 0).
+//   dr = (I - o o^T) dG x - sum_k u_k [s_k^2 u_k . dG x + s_k v_k . dG^T r] / (s_k^2 - s_3^2)
+//
+// over k = 1, 2, with o the unit vector of the offsets' weights. o, u_1, u_2 are orthonormal: what
+// a node's move and the plane's answer to it cancel of each other is lost without loss of digits.
 //
 // So Gauss-Newton sees the curvature of the whole; the root of the smallest eigenvalue as one
 // residual would hide all but one direction of it. The cost is that of `moments` minimized over the
 // plane. A robust loss acts on the plane as a whole: on the sum of its k observations over k - 1.
 #include <ceres/cost_function.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "planegraph/geometry/rotation.h"
@@ -63,31 +65,37 @@ PlaneRows MakeRows(const View& node, const PlaneObservation& seen, const Vector3
   return rows;
 }
 
-// The best plane x = (n, e) with |n| = 1, and the eigenvalue: the sum of squares that it leaves.
-struct BestPlane {
-  BestPlane(const Matrix4d& q, const Vector3d& facing) {
-    const Vector3d coupling = q.topRightCorner<3, 1>() / q(3, 3);
-    const Matrix3d reduced = q.topLeftCorner<3, 3>() - q(3, 3) * coupling * coupling.transpose();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(reduced);
-    Vector3d normal = solver.eigenvectors().col(0);
-    if (normal.dot(facing) < 0.0) normal = -normal;
-    x = Extend(normal, -coupling.dot(normal));
-    eigenvalue = solver.eigenvalues()[0];
-  }
+using Rows3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-  // The 4x4 matrix that takes -dQ x to dx.
-  Matrix4d Response(const Matrix4d& q) const {
-    const Vector4d normal = Extend(x.head<3>(), 0.0);
-    Eigen::Matrix<double, 5, 5> bordered = Eigen::Matrix<double, 5, 5>::Zero();
-    bordered.topLeftCorner<4, 4>() = q;
-    bordered.topLeftCorner<3, 3>().diagonal().array() -= eigenvalue;
-    bordered.topRightCorner<4, 1>() = -normal;
-    bordered.bottomLeftCorner<1, 4>() = normal.transpose();
-    return bordered.fullPivLu().inverse().topLeftCorner<4, 4>();
+// The best plane x = (n, e) with |n| = 1, and what its answer to the nodes' moves follows from.
+struct BestPlane {
+  explicit BestPlane(const std::vector<PlaneRows>& rows) : offsets(3 * rows.size()) {
+    Vector3d mean = Vector3d::Zero();
+    for (Eigen::Index a = 0; a < offsets.size(); ++a) offsets[a] = -rows[a / 3].g[a % 3][3];
+    const double information = offsets.squaredNorm();
+    for (Eigen::Index a = 0; a < offsets.size(); ++a) {
+      mean += offsets[a] / information * rows[a / 3].g[a % 3].head<3>();
+    }
+    Rows3 reduced(offsets.size(), 3);
+    for (Eigen::Index a = 0; a < offsets.size(); ++a) {
+      reduced.row(a) = rows[a / 3].g[a % 3].head<3>() - offsets[a] * mean;
+    }
+    offsets /= std::sqrt(information);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(reduced, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    u = svd.matrixU();
+    v = svd.matrixV();
+    s = svd.singularValues();
+    const double side = v.col(2).dot(rows.front().facing) < 0.0 ? -1.0 : 1.0;
+    x = Extend(side * v.col(2), mean.dot(side * v.col(2)));
+    residual = side * s[2] * u.col(2);
   }
 
   Vector4d x;
-  double eigenvalue;
+  Eigen::VectorXd offsets;  // unit vector of the offsets' weights
+  Eigen::VectorXd residual;
+  Rows3 u;
+  Matrix3d v;
+  Vector3d s;
 };
 
 class EliminatedCost final : public ceres::CostFunction {
@@ -103,45 +111,59 @@ class EliminatedCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    std::vector<PlaneRows> rows;
-    Matrix4d q = Matrix4d::Zero();
-    for (std::size_t k = 0; k < observations_.size(); ++k) {
-      const PlaneObservation& seen = observations_[k];
-      rows.push_back(seen.map >= 0 ? MakeRows(MapView(blocks[k]), seen, anchor_)
-                                   : MakeRows(PoseView(blocks[k]), seen, anchor_));
-      for (const Vector4d& g : rows.back().g) q += g * g.transpose();
-    }
-    if (!(q(3, 3) > 0.0) || !q.allFinite()) return false;
-    const BestPlane plane(q, rows.front().facing);
-    for (std::size_t a = 0; a < 3 * rows.size(); ++a) {
-      residuals[a] = scale_ * rows[a / 3].g[a % 3].dot(plane.x);
-    }
+    const std::vector<PlaneRows> rows = MakeAllRows(blocks);
+    const BestPlane plane(rows);
+    if (!plane.x.allFinite() || !plane.residual.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = scale_ * plane.residual;
     if (jacobians == nullptr) return true;
-    const Matrix4d response = plane.Response(q);
     for (std::size_t j = 0; j < rows.size(); ++j) {
-      if (jacobians[j] != nullptr) WriteJacobian(rows, j, plane, response, blocks[j], jacobians[j]);
+      if (jacobians[j] != nullptr) WriteJacobian(rows[j], j, plane, blocks[j], jacobians[j]);
     }
     return true;
   }
 
- private:
-  // Of all residuals by node j: through the plane, and those of the node's own also directly.
-  void WriteJacobian(const std::vector<PlaneRows>& rows, std::size_t j, const BestPlane& plane,
-                     const Matrix4d& response, const double* block, double* jacobian) const {
-    const int tangent = static_cast<int>(rows[j].by_node[0].cols());
-    Jacobian4 change = Jacobian4::Zero(4, tangent);  // dQ x
-    for (int a = 0; a < 3; ++a) {
-      const Vector4d& g = rows[j].g[a];
-      change += g.dot(plane.x) * rows[j].by_node[a];
-      change += g * (plane.x.transpose() * rows[j].by_node[a]);
+  // How much of the digits a node's turn and the plane's answer to it cancel: the largest change of
+  // an offset by radian of a turn over the second singular value, the stiffness against tilts.
+  double Stiffness(double const* const* blocks) const {
+    const std::vector<PlaneRows> rows = MakeAllRows(blocks);
+    double largest = 0.0;
+    for (const PlaneRows& r : rows) {
+      largest = std::max(largest, r.by_node[2].topRows<3>().norm());
     }
-    const Jacobian4 plane_by_node = -response * change;
-    for (std::size_t b = 0; b < rows.size(); ++b) {
-      for (int a = 0; a < 3; ++a) {
-        Eigen::RowVectorXd row = rows[b].g[a].transpose() * plane_by_node;
-        if (b == j) row += plane.x.transpose() * rows[b].by_node[a];
-        SetRow(scale_ * row, block, jacobian + (3 * b + a) * (tangent + 1));
-      }
+    return largest / BestPlane(rows).s[1];
+  }
+
+ private:
+  std::vector<PlaneRows> MakeAllRows(double const* const* blocks) const {
+    std::vector<PlaneRows> rows;
+    for (std::size_t k = 0; k < observations_.size(); ++k) {
+      const PlaneObservation& seen = observations_[k];
+      rows.push_back(seen.map >= 0 ? MakeRows(MapView(blocks[k]), seen, anchor_)
+                                   : MakeRows(PoseView(blocks[k]), seen, anchor_));
+    }
+    return rows;
+  }
+
+  // Of all residuals by node j: through the plane, and those of the node's own also directly.
+  void WriteJacobian(const PlaneRows& rows, std::size_t j, const BestPlane& plane,
+                     const double* block, double* jacobian) const {
+    const Eigen::Index first = 3 * static_cast<Eigen::Index>(j), size = rows.by_node[0].cols();
+    Eigen::MatrixXd direct(3, size);                            // dG x
+    Eigen::MatrixXd on_plane = Eigen::MatrixXd::Zero(3, size);  // dG^T r
+    for (int a = 0; a < 3; ++a) {
+      direct.row(a) = plane.x.transpose() * rows.by_node[a];
+      on_plane += plane.residual[first + a] * rows.by_node[a].topRows<3>();
+    }
+    Eigen::MatrixXd change =
+        -plane.offsets * (plane.offsets.segment<3>(first).transpose() * direct);
+    for (int k = 0; k < 2; ++k) {
+      const double s = plane.s[k], gap = (s - plane.s[2]) * (s + plane.s[2]);
+      change -= plane.u.col(k) * (s * s / gap * plane.u.block<3, 1>(first, k).transpose() * direct +
+                                  s / gap * plane.v.col(k).transpose() * on_plane);
+    }
+    change.middleRows<3>(first) += direct;
+    for (Eigen::Index row = 0; row < change.rows(); ++row) {
+      SetRow(scale_ * change.row(row), block, jacobian + row * (size + 1));
     }
   }
 
@@ -186,41 +208,37 @@ void AddPlane(const Graph& graph, int index, const FactorOptions&, ResidualSink*
             std::move(blocks), ResidualTag{.plane = index}, weight);
 }
 
-// Two to five nodes that see one plane, roughly: far from that the best plane jumps. Offsets are
-// known in proportion to the scale: else rounding takes the digits of tilt or offset.
-FactorSample Sample(std::mt19937_64* rng) {
+// Two to five nodes and what they see, of one plane or not.
+std::unique_ptr<EliminatedCost> DrawSample(std::mt19937_64* rng, FactorSample* sample) {
   FactorSampler sampler(rng);
   const PlaneLandmark plane = sampler.Landmark();
-  const auto basis = TangentBasis(plane.normal);
   const int count = 2 + static_cast<int>(sampler.Uniform(0.0, 4.0));
-  FactorSample sample;
   std::vector<PlaneObservation> observations;
   for (int k = 0; k < count; ++k) {
-    const bool is_map = sampler.Uniform(0.0, 1.0) < 0.3;
-    Sim3 node = sampler.Map();
-    if (!is_map) node.scale = 1.0;
-    PlaneObservation seen = sampler.Observation(k);
-    seen.map = is_map ? k : -1;
-    seen.tilt_weight_1 = sampler.LogUniform(100.0, 1e4);
-    seen.tilt_weight_2 = sampler.LogUniform(100.0, 1e4);
-    seen.offset_weight = sampler.LogUniform(100.0, 1e4) / sampler.scale();
-    Matrix3d axes;
-    axes << plane.normal, basis;
-    const Sim3 to_node = node.Inverse();
-    seen.axes = to_node.rotation.toRotationMatrix() *
-                ExpSO3(0.1 * sampler.UnitVector()).toRotationMatrix() * axes;
-    const Vector3d in_plane = sampler.scale() * sampler.Uniform(0.5, 1.0) * sampler.UnitVector();
-    seen.centroid = to_node * (plane.anchor + plane.offset * plane.normal + in_plane -
-                               0.95 * plane.normal * plane.normal.dot(in_plane));
-    observations.push_back(seen);
-    sample.kinds.push_back(is_map ? BlockKind::kMap : BlockKind::kPose);
-    sample.values.push_back(is_map ? FactorSampler::Block(node)
-                                   : FactorSampler::Block(Rigid3(node.rotation, node.translation)));
-    const double distance = (node * seen.centroid - plane.anchor).norm();
-    sample.length = std::max(sample.length, 0.01 * distance);
+    PlaneObservation& seen = observations.emplace_back(sampler.Observation(k));
+    seen.map = sampler.Uniform(0.0, 1.0) < 0.3 ? k : -1;
+    sample->kinds.push_back(seen.map >= 0 ? BlockKind::kMap : BlockKind::kPose);
+    sample->values.push_back(seen.map >= 0 ? FactorSampler::Block(sampler.Map())
+                                           : FactorSampler::Block(sampler.Pose()));
   }
-  sample.cost = std::make_unique<EliminatedCost>(std::move(observations), plane.anchor);
-  return sample;
+  return std::make_unique<EliminatedCost>(std::move(observations), plane.anchor);
+}
+
+// Not in the factor's domain is one draw in a hundred: a plane that is hardly held against tilts
+// answers to a node whose turn is known kStiffest times better, such as 0.1 mm at a kilometre
+// against a degree. Of the move and the answer, which cancel but for the inverse square of that,
+// there are then too few digits left to test a Jacobian by.
+FactorSample Sample(std::mt19937_64* rng) {
+  constexpr double kStiffest = 1e4;
+  for (;;) {
+    FactorSample sample;
+    auto cost = DrawSample(rng, &sample);
+    std::vector<const double*> blocks;
+    for (const auto& value : sample.values) blocks.push_back(value.data());
+    if (cost->Stiffness(blocks.data()) > kStiffest) continue;
+    sample.cost = std::move(cost);
+    return sample;
+  }
 }
 
 }  // namespace

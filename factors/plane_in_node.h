@@ -2,7 +2,6 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -25,31 +24,30 @@ struct PlaneComparison {
 };
 
 /// The measured plane in the node's frame: `normal` on the landmark's side when the factor was
-/// made, `distance` in the node's units.
+/// made. Weights as in PlaneObservation: they belong to the tilts and to the offset at the
+/// centroid.
 struct MeasuredPlane {
-  Eigen::Vector3d normal, axis_1, axis_2;
-  double distance = 0.0;
+  Eigen::Vector3d normal, axis_1, axis_2, centroid;
+  double tilt_weight_1 = 1.0, tilt_weight_2 = 1.0, offset_weight = 1.0;
   double scale = 1.0;  ///< metres per unit when the factor was made; whitening is frozen there
-  /// L of L^T L = information of (tilt along axis 1, tilt along axis 2, d'), the same as that of
-  /// the moments: the offset at the centroid, carried to the node's origin.
-  Eigen::Matrix3d root;
-  double offset_sigma = 0.0;  ///< of d' alone, metres
 };
 
 inline MeasuredPlane MakeMeasuredPlane(const PlaneObservation& seen, const Eigen::Vector3d& facing,
                                        double scale) {
-  MeasuredPlane plane;
-  plane.normal = (seen.axes.col(0).dot(facing) < 0.0 ? -1.0 : 1.0) * seen.axes.col(0);
-  plane.axis_1 = seen.axes.col(1);
-  plane.axis_2 = seen.axes.col(2);
-  plane.distance = plane.normal.dot(seen.centroid);
-  plane.scale = scale;
-  const double w = seen.offset_weight;
-  plane.root << seen.tilt_weight_1, 0.0, 0.0,  //
-      0.0, seen.tilt_weight_2, 0.0,            //
-      w * scale * plane.axis_1.dot(seen.centroid), w * scale * plane.axis_2.dot(seen.centroid), -w;
-  plane.offset_sigma = 1.0 / std::max(w, 1e-6);
-  return plane;
+  const double side = seen.axes.col(0).dot(facing) < 0.0 ? -1.0 : 1.0;
+  return {side * seen.axes.col(0), seen.axes.col(1),   seen.axes.col(2),   seen.centroid,
+          seen.tilt_weight_1,      seen.tilt_weight_2, seen.offset_weight, scale};
+}
+
+/// A comparison by n' and by the distance g = d' - s n' . c of the predicted plane from the
+/// measured centroid c (metres of the world), as one by n' and d'. `by_offset`: the derivative by
+/// g.
+inline PlaneComparison CompareAtCentroid(const Eigen::Vector3d& residual,
+                                         const Eigen::Matrix3d& by_normal,
+                                         const Eigen::Vector3d& by_offset, const Eigen::Vector3d& n,
+                                         const Eigen::Vector3d& scaled_centroid) {
+  return {residual, by_normal - by_offset * scaled_centroid.transpose(), by_offset,
+          -n.dot(scaled_centroid) * by_offset};
 }
 
 /// The cost of a model with `PlaneComparison operator()(n', d', scale) const`.
@@ -112,10 +110,9 @@ void AddPlaneInNode(const Graph& graph, int index, const FactorOptions& options,
   }
 }
 
-/// A random cost and state of it. With a unit of length in the residual (> 0), that length bends
-/// it.
+/// A random cost and state of it.
 template <typename View, typename Model>
-FactorSample SamplePlaneInNode(std::mt19937_64* rng, double unit_length) {
+FactorSample SamplePlaneInNode(std::mt19937_64* rng) {
   FactorSampler sampler(rng);
   const PlaneLandmark plane = sampler.Landmark();
   const Sim3 map = sampler.Map();
@@ -130,10 +127,6 @@ FactorSample SamplePlaneInNode(std::mt19937_64* rng, double unit_length) {
   sample.kinds = {is_map ? BlockKind::kMap : BlockKind::kPose, BlockKind::kPlane};
   sample.values = {is_map ? FactorSampler::Block(map) : FactorSampler::Block(pose),
                    FactorSampler::Block(plane)};
-  if (unit_length > 0.0) {
-    const double d = plane.offset + plane.normal.dot(plane.anchor - map.translation);
-    sample.length = 0.1 * std::max(unit_length, std::abs(d));
-  }
   return sample;
 }
 
@@ -147,7 +140,7 @@ inline std::vector<FactorParameter> ObservationFields() {
 
 /// Registers the factor `type` for poses, and the same for maps as map_NAME.
 template <typename Model>
-void RegisterPlaneInNode(FactorType type, double unit_length, FactorRegistry* registry) {
+void RegisterPlaneInNode(FactorType type, FactorRegistry* registry) {
   type.kind = FactorKind::kPlane;
   type.plane_blocks = true;
   type.map_counterpart = "map_" + type.name;
@@ -158,9 +151,7 @@ void RegisterPlaneInNode(FactorType type, double unit_length, FactorRegistry* re
                       ResidualSink* sink) {
     AddPlaneInNode<Model>(graph, index, options, false, sink);
   };
-  type.sample = [unit_length](std::mt19937_64* rng) {
-    return SamplePlaneInNode<PoseView, Model>(rng, unit_length);
-  };
+  type.sample = SamplePlaneInNode<PoseView, Model>;
   in_map.name = type.map_counterpart;
   in_map.kind = FactorKind::kMapPlane;
   in_map.map_counterpart.clear();
@@ -170,9 +161,7 @@ void RegisterPlaneInNode(FactorType type, double unit_length, FactorRegistry* re
                         ResidualSink* sink) {
     AddPlaneInNode<Model>(graph, index, options, true, sink);
   };
-  in_map.sample = [unit_length](std::mt19937_64* rng) {
-    return SamplePlaneInNode<MapView, Model>(rng, unit_length);
-  };
+  in_map.sample = SamplePlaneInNode<MapView, Model>;
   registry->Add(std::move(type));
   registry->Add(std::move(in_map));
 }

@@ -33,11 +33,14 @@ double OptionOr(const FactorOptions& options, const std::string& name, double fa
 void FactorType::CheckOptions(const FactorOptions& options) const {
   for (const auto& entry : options) {
     const std::string& option = entry.first;
-    const bool known =
-        std::any_of(parameters.begin(), parameters.end(), [&](const FactorParameter& parameter) {
-          return parameter.name == option && !parameter.is_field;
-        });
-    if (!known) throw UsageError("factor '" + name + "' has no parameter '" + option + "'");
+    const auto known = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const auto& p) { return p.name == option && !p.is_field; });
+    if (known == parameters.end()) {
+      throw UsageError("factor '" + name + "' has no parameter '" + option + "'");
+    }
+    if (!std::isfinite(entry.second) || (known->is_positive && entry.second <= 0.0)) {
+      throw UsageError("'" + option + "' of the factor '" + name + "' must be positive");
+    }
   }
 }
 

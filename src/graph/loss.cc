@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 
+#include "planegraph/base/chi_square.h"
 #include "planegraph/base/error.h"
 
 namespace planegraph {
@@ -75,9 +76,7 @@ GncKernel KernelOf(const LossSpec& spec) {
 
 double GraduatedThreshold(const LossSpec& spec, int dimension) {
   if (spec.scale > 0.0) return spec.scale * spec.scale;
-  constexpr double kNormalQuantile = 2.326347874;  // of 99 %; Wilson and Hilferty's approximation
-  const double k = dimension, variance = 2.0 / (9.0 * k);
-  return k * std::pow(1.0 - variance + kNormalQuantile * std::sqrt(variance), 3.0);
+  return ChiSquareQuantile(0.99, dimension);
 }
 
 void GemanMcClureLoss::Evaluate(double s, double rho[3]) const {

@@ -18,7 +18,7 @@ constexpr double kLeastDistance = 1e-6;  // metres
 }  // namespace
 
 double ClosestPointManifold::Distance(const double* x) const {
-  const double d = x[3] + Map<const Vector3d>(x).dot(anchor_);
+  const double d = x[3] + Map<const Vector3d>(x).dot(arm_);
   return std::copysign(std::max(std::abs(d), kLeastDistance), d);
 }
 
@@ -30,7 +30,7 @@ bool ClosestPointManifold::Plus(const double* x, const double* delta, double* ou
   // The normal keeps its side: only a step through the origin turns it.
   const Vector3d n = std::copysign(1.0 / length, d) * closest;
   Map<Vector3d>(out, 3) = n;
-  out[3] = std::copysign(length, d) - n.dot(anchor_);
+  out[3] = std::copysign(length, d) - n.dot(arm_);
   return true;
 }
 
@@ -38,7 +38,7 @@ bool ClosestPointManifold::PlusJacobian(const double* x, double* jacobian) const
   const Vector3d n = Map<const Vector3d>(x);
   Map<PlusMatrix> j(jacobian);
   j.topRows<3>() = (Matrix3d::Identity() - n * n.transpose()) / Distance(x);
-  j.row(3) = n.transpose() - anchor_.transpose() * j.topRows<3>();
+  j.row(3) = n.transpose() - arm_.transpose() * j.topRows<3>();
   return true;
 }
 
@@ -49,10 +49,10 @@ bool ClosestPointManifold::Minus(const double* y, const double* x, double* y_min
 }
 
 bool ClosestPointManifold::MinusJacobian(const double* x, double* jacobian) const {
-  // d(CP) with CP = d n and d = e + n . o.
+  // d(CP) with CP = d n and d = e + n . arm.
   const Vector3d n = Map<const Vector3d>(x);
   Map<MinusMatrix> j(jacobian);
-  j << n * anchor_.transpose() + Distance(x) * Matrix3d::Identity(), n;
+  j << n * arm_.transpose() + Distance(x) * Matrix3d::Identity(), n;
   return true;
 }
 
@@ -84,7 +84,7 @@ Eigen::Matrix<double, 3, 4> HalfAngleLogJacobian(const Vector4d& q) {
 
 Vector4d UnitQuaternionManifold::ToQuaternion(const double* x) const {
   const Vector3d n = Map<const Vector3d>(x);
-  return Vector4d(n.x(), n.y(), n.z(), (x[3] + n.dot(anchor_)) / unit_).normalized();
+  return Vector4d(n.x(), n.y(), n.z(), x[3] / unit_).normalized();
 }
 
 bool UnitQuaternionManifold::Plus(const double* x, const double* delta, double* out) const {
@@ -97,7 +97,7 @@ bool UnitQuaternionManifold::Plus(const double* x, const double* delta, double* 
   if (!(length > 1e-12)) return false;
   const Vector3d n = q.head<3>() / length;
   Map<Vector3d>(out, 3) = n;
-  out[3] = unit_ * q[3] / length - n.dot(anchor_);
+  out[3] = unit_ * q[3] / length;
   return true;
 }
 
@@ -109,8 +109,7 @@ bool UnitQuaternionManifold::PlusJacobian(const double* x, double* jacobian) con
   for (int k = 0; k < 3; ++k) {
     const Vector4d moved = MultiplyQuaternions(q, Vector4d::Unit(k)) / length;
     const Vector3d dn = moved.head<3>() - n * n.dot(moved.head<3>());
-    const double distance = unit_ * (moved[3] - ratio * n.dot(moved.head<3>()));
-    j.col(k) << dn, distance - anchor_.dot(dn);
+    j.col(k) << dn, unit_ * (moved[3] - ratio * n.dot(moved.head<3>()));
   }
   return true;
 }
@@ -123,12 +122,10 @@ bool UnitQuaternionManifold::Minus(const double* y, const double* x, double* y_m
 
 bool UnitQuaternionManifold::MinusJacobian(const double* x, double* jacobian) const {
   const Vector4d q = ToQuaternion(x);
-  const double length = q.head<3>().norm();  // 1 / |(n, d / u)|
+  const double length = q.head<3>().norm();  // 1 / |(n, e / u)|
   Map<MinusMatrix> j(jacobian);
   for (int k = 0; k < 4; ++k) {
-    const double by_distance = k < 3 ? anchor_[k] : 1.0;
-    Vector4d raw = Vector4d::Unit(k);
-    raw[3] = by_distance / unit_;
+    const Vector4d raw = (k < 3 ? 1.0 : 1.0 / unit_) * Vector4d::Unit(k);
     const Vector4d dq = length * (raw - q * q.dot(raw));
     j.col(k) = MultiplyQuaternions(ConjugateQuaternion(q), dq).head<3>();
   }

@@ -4,14 +4,11 @@
 #include <chrono>
 #include <cmath>
 
+#include "planegraph/base/chi_square.h"
 #include "pose_graph/optimizer.h"
 
 namespace planegraph {
 namespace {
-
-// 99 % quantiles of chi-square with 3 and with 6 degrees of freedom (Abramowitz and Stegun, table
-// 26.8).
-constexpr double kChi2Of3 = 11.345, kChi2Of6 = 16.812;
 
 // The rounds before the last one only have to sort the edges.
 constexpr double kRoundTolerance = 1e-4;
@@ -22,7 +19,8 @@ class GncRun {
   GncRun(PoseGraph<Dim>* graph, const GncOptions& options)
       : graph_(*graph),
         options_(options),
-        scale_(options.scale > 0.0 ? options.scale : std::sqrt(Dim == 3 ? kChi2Of6 : kChi2Of3)),
+        scale_(options.scale > 0.0 ? options.scale
+                                   : std::sqrt(ChiSquareQuantile(0.99, Dim == 3 ? 6 : 3))),
         schedule_(options.kernel, scale_),
         optimizer_((CheckIndices(*graph), graph), &solve_) {
     summary_.weights.assign(graph->edges.size(), 1.0);

@@ -147,7 +147,10 @@ void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockR
 // What the caller says of an observation or a pose factor; -1: it is by itself.
 int Assembly::GroupOf(const ResidualTag& tag) const {
   if (tag.plane >= 0 && tag.observation >= 0) {
-    return graph_.planes[tag.plane].observations[tag.observation].group;
+    const auto& observations = graph_.planes[tag.plane].observations;
+    const int group = observations[tag.observation].group;
+    return group < 0 && tag.other_observation >= 0 ? observations[tag.other_observation].group
+                                                   : group;
   }
   return tag.pose_factor >= 0 ? graph_.pose_factors[tag.pose_factor].group : -1;
 }

@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -59,7 +60,7 @@ void AddPlaneBlocks(const Graph& graph, const SolveOptions& options, const Block
     ceres::Manifold* manifold = &manifolds->plane;
     if (type.make_manifold) {
       manifolds->planes.push_back(
-          type.make_manifold(graph.planes[k].anchor, options.plane_factor_options));
+          type.make_manifold(graph.planes[k], options.plane_factor_options));
       manifold = manifolds->planes.back().get();
     }
     problem->AddParameterBlock(assembly->PlaneBlock(k), kPlaneSize, manifold);
@@ -143,6 +144,11 @@ std::vector<ResidualReport> CollectResiduals(Assembly* assembly) {
   return reports;
 }
 
+// Whether the residual is that of a whole plane, which is an unknown within it.
+bool HidesPlane(const Residual& residual) {
+  return residual.tag.plane >= 0 && residual.tag.observation < 0;
+}
+
 // Of the first solve the initial cost, of the last one all else.
 void Fill(const ceres::Solver::Summary& ceres_summary, SolveSummary* summary) {
   if (summary->residual_count == 0) summary->initial_cost = ceres_summary.initial_cost;
@@ -170,6 +176,9 @@ class Minimizer {
     AddBlocks(graph, use_, GaugeFixed(graph, true), &manifolds_, assembly, &problem_);
     AddPlaneBlocks(graph, options, use_, &manifolds_, assembly, &problem_);
     AddResiduals(assembly, &problem_);
+    const auto& residuals = assembly->residuals();
+    hidden_planes_ =
+        static_cast<int>(std::count_if(residuals.begin(), residuals.end(), HidesPlane));
   }
 
   void Run(const SolveOptions& options, SolveSummary* summary) {
@@ -181,6 +190,7 @@ class Minimizer {
     ceres::Solver::Summary ceres_summary;
     ceres::Solve(ceres_options, &problem_, &ceres_summary);
     Fill(ceres_summary, summary);
+    summary->parameter_count += hidden_planes_ * kPlaneTangent;
   }
 
  private:
@@ -189,10 +199,11 @@ class Minimizer {
   Manifolds manifolds_;  // outlives the problem
   ceres::Problem problem_;
   BlockUse use_;
+  int hidden_planes_ = 0;
 };
 
 // The outer loop of the graduated losses: planes and pose factors each have their schedule. All
-// chi2 are relative to their thresholds, so that 1 is the scale of either.
+// chi2 are relative to their limits, so that 1 is the scale of either.
 class Graduation {
  public:
   Graduation(const SolveOptions& options, Assembly* assembly)
@@ -202,6 +213,7 @@ class Graduation {
     for (const SwitchGroup& group : assembly->switch_groups()) {
       const Residual& first = assembly->residuals()[group.residuals.front()];
       is_plane_.push_back(first.tag.plane >= 0 || first.tag.plane_factor >= 0);
+      limits_.push_back(LimitOf(*assembly, group));
     }
     Measure();
     planes_.Start(chi2_[1]);
@@ -236,19 +248,32 @@ class Graduation {
       double sum = 0.0;
       for (const int index : group.residuals) {
         const Residual& residual = assembly_->residuals()[index];
-        // A weight above 1: the residual is the mean of that many (the factor `eliminated`).
-        const double dimension = residual.cost->num_residuals() / std::max(1.0, residual.weight);
-        sum += assembly_->Chi2(residual, nullptr) /
-               GraduatedThreshold(*group.loss, static_cast<int>(std::lround(dimension)));
+        sum += assembly_->Chi2(residual, nullptr) * (HidesPlane(residual) ? residual.weight : 1.0);
       }
-      chi2_[is_plane_[g]].push_back(sum / static_cast<double>(group.residuals.size()));
+      chi2_[is_plane_[g]].push_back(sum / limits_[g]);
     }
   }
 
  private:
+  // What the chi2 of a group may add up to. A group is right or wrong as one: the quantile is that
+  // of all of its degrees of freedom, not the sum of its members'.
+  static double LimitOf(const Assembly& assembly, const SwitchGroup& group) {
+    int degrees = 0;
+    double residuals = 0.0;  // `eliminated` has the mean of as many as its weight
+    for (const int index : group.residuals) {
+      const Residual& residual = assembly.residuals()[index];
+      const bool hides = HidesPlane(residual);
+      degrees += residual.cost->num_residuals() - (hides ? kPlaneTangent : 0);
+      residuals += hides ? residual.weight : 1.0;
+    }
+    const double limit = GraduatedThreshold(*group.loss, degrees);
+    return group.loss->scale > 0.0 ? residuals * limit : limit;
+  }
+
   Assembly* assembly_;
   GncSchedule planes_, poses_;
   std::vector<bool> is_plane_;               // of each group
+  std::vector<double> limits_;               // of each group's chi2
   std::array<std::vector<double>, 2> chi2_;  // of pose factors, of planes
 };
 

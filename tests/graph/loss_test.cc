@@ -68,10 +68,10 @@ TEST(Dcs, DerivativeIsTheSquaredWeightOfTheMethod) {
 }
 
 TEST(GraduatedThreshold, IsTheQuantileOfChiSquare) {
-  // 99 %, from tables; the approximation is good to a percent.
+  // 99 %, from tables.
   for (const auto& [dimension, quantile] :
        {std::pair(1, 6.635), {2, 9.210}, {3, 11.345}, {6, 16.812}, {15, 30.578}}) {
-    EXPECT_NEAR(GraduatedThreshold({"gnc_tls", 0.0}, dimension) / quantile, 1.0, 0.01);
+    EXPECT_NEAR(GraduatedThreshold({"gnc_tls", 0.0}, dimension) / quantile, 1.0, 1e-4);
     EXPECT_DOUBLE_EQ(GraduatedThreshold({"gnc_tls", 3.0}, dimension), 9.0);
   }
 }

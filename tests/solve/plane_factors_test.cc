@@ -73,21 +73,37 @@ TEST(Eliminated, GivesTheCovariancesAndEdgesOfTheLandmarks) {
   EXPECT_LT((a[0].information - b[0].information).norm(), 1e-9 * a[0].information.norm());
 }
 
-// To first order all forms carry the same information: their minima differ by less than a sigma.
-TEST(PlaneFactors, AgreeWithinASigma) {
-  PlaneWorld world({.poses = 6, .planes = 60, .noise = 1.0});
-  const Graph moments = Solved(world.truth(), "moments");
-  const GraphCovariance covariance(moments);
-  for (const char* factor : {"normal_offset", "closest_point", "unit_quaternion", "pose_pose"}) {
-    const Graph other = Solved(world.truth(), factor);
-    for (int i = 1; i < 6; ++i) {
-      const double sigma = std::sqrt(covariance.Pose(i).topLeftCorner<3, 3>().trace());
-      const double difference = (moments.poses[i].world_from_node.translation -
-                                 other.poses[i].world_from_node.translation)
-                                    .norm();
-      EXPECT_LT(difference, 0.5 * sigma) << factor;
+// Over worlds and poses: root of the mean squared distance of a factor's minimum from that of
+// `moments`, in sigmas.
+double DifferenceFromMoments(const std::string& factor) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    PlaneWorld world({.poses = 6, .planes = 60, .noise = 1.0, .seed = seed});
+    const Graph moments = Solved(world.truth(), "moments"), other = Solved(world.truth(), factor);
+    const GraphCovariance covariance(moments);
+    for (int i = 1; i < 6; ++i, ++count) {
+      const Vector3d difference =
+          moments.poses[i].world_from_node.translation - other.poses[i].world_from_node.translation;
+      sum += difference.squaredNorm() / covariance.Pose(i).topLeftCorner<3, 3>().trace();
     }
   }
+  return std::sqrt(sum / count);
+}
+
+// Forms of one and the same measurement: what is left is of second order in its noise, at most
+// distance * tilt^2 / 2 of an offset: 20 m (5 mrad)^2 / 2 is 2.5 % of 1 cm.
+TEST(PlaneFactors, FormsOfTheLandmarkAgree) {
+  for (const char* factor : {"normal_offset", "closest_point", "unit_quaternion"}) {
+    EXPECT_LT(DifferenceFromMoments(factor), 0.05) << factor;
+  }
+}
+
+// Pairs of measurements, weighted as if they were independent and equal: another estimate of the
+// same poses, and not the best one. Such a difference has the variance that it is worse by
+// (Hausman 1978): 0.3 sigma are 9 %.
+TEST(PlaneFactors, PairsOfPosesAreNearlyAsGood) {
+  EXPECT_LT(DifferenceFromMoments("pose_pose"), 0.3);
 }
 
 TEST(UnitQuaternion, TheUnitOfLengthIsAnOption) {

@@ -53,7 +53,8 @@ double OptionOr(const FactorOptions& options, const std::string& name, double fa
 struct FactorParameter {
   std::string name, unit, description;
   double default_value = 0.0;
-  bool is_field = false;  ///< read from the graph, not from FactorOptions
+  bool is_field = false;     ///< read from the graph, not from FactorOptions
+  bool is_positive = false;  ///< zero and less are refused
 };
 
 /// A cost function with a point to evaluate it at: for tests and benchmarks that know nothing of
@@ -62,8 +63,6 @@ struct FactorSample {
   std::unique_ptr<ceres::CostFunction> cost;
   std::vector<BlockKind> kinds;
   std::vector<std::vector<double>> values;
-  /// The length over which the cost bends, for numeric derivatives; 0: the largest one in `values`.
-  double length = 0.0;
 };
 
 /// kPlane: planes seen from poses. kMapPlane: planes seen in maps, the counterpart of a kPlane
@@ -95,7 +94,7 @@ struct FactorType {
   /// Pose kind: the cost over the blocks of factor.poses, in that order.
   std::function<std::unique_ptr<ceres::CostFunction>(const PoseFactor& factor)> make_cost;
   /// Plane kind: how steps are applied to a plane's block; null: PlaneManifold.
-  std::function<std::unique_ptr<ceres::Manifold>(const Eigen::Vector3d& anchor,
+  std::function<std::unique_ptr<ceres::Manifold>(const PlaneLandmark& plane,
                                                  const FactorOptions& options)>
       make_manifold;
   /// Plane pair kind: the cost over the blocks of factor.planes, in that order.
@@ -106,7 +105,7 @@ struct FactorType {
   /// All: a random cost and state, over the full range of scales and angles.
   std::function<FactorSample(std::mt19937_64* rng)> sample;
 
-  /// Throws UsageError for an option that the factor does not have.
+  /// Throws UsageError for an option that the factor does not have, or a value that it cannot take.
   void CheckOptions(const FactorOptions& options) const;
 };
 

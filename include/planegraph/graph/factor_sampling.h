@@ -13,8 +13,6 @@ class FactorSampler {
  public:
   explicit FactorSampler(std::mt19937_64* rng) : rng_(*rng) { scale_ = LogUniform(1e-3, 1e3); }
 
-  /// The longest length of this sample, metres.
-  double scale() const { return scale_; }
   double Uniform(double low, double high);
   double LogUniform(double low, double high);
   Eigen::Vector3d UnitVector();

@@ -8,15 +8,15 @@ namespace planegraph {
 
 /// Other ways to step from plane to plane than PlaneManifold's, on the same block (unit normal n,
 /// offset e from the anchor o). They are there to compare parametrizations: the minimum of a cost
-/// does not depend on them, the way there does. Both know the plane by its distance d = e + n . o
-/// from the world's origin, as their authors have it.
+/// does not depend on them, the way there does.
 
-/// Closest point of the plane to the world's origin, CP = d n (Geneva et al. 2018): tangent the
-/// change of CP in metres. Singular for planes through the origin: steps of n then have no bound,
-/// and |d| is taken as 1e-6 m at least.
+/// Closest point of the plane to a reference point, CP = d n (Geneva et al. 2018): tangent the
+/// change of CP in metres. `arm`: from the reference to the anchor, so that d = e + n . arm.
+/// Singular for planes through the reference, which therefore has to lie beside the plane: steps of
+/// n have no bound there, and |d| is taken as 1e-6 m at least.
 class ClosestPointManifold final : public ceres::Manifold {
  public:
-  explicit ClosestPointManifold(const Eigen::Vector3d& anchor) : anchor_(anchor) {}
+  explicit ClosestPointManifold(const Eigen::Vector3d& arm) : arm_(arm) {}
   int AmbientSize() const override { return 4; }
   int TangentSize() const override { return 3; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
@@ -26,16 +26,15 @@ class ClosestPointManifold final : public ceres::Manifold {
 
  private:
   double Distance(const double* x) const;
-  Eigen::Vector3d anchor_;
+  Eigen::Vector3d arm_;
 };
 
-/// Unit 4-vector q = (n, d / u) / |.| as a quaternion (Kaess 2015): Plus(q, delta) = q Exp(delta),
+/// Unit 4-vector q = (n, e / u) / |.| as a quaternion (Kaess 2015): Plus(q, delta) = q Exp(delta),
 /// delta half a rotation's angle. The unit of length u weighs metres against radians. Steps beyond
 /// the plane at infinity fail.
 class UnitQuaternionManifold final : public ceres::Manifold {
  public:
-  UnitQuaternionManifold(const Eigen::Vector3d& anchor, double unit_length)
-      : anchor_(anchor), unit_(unit_length) {}
+  explicit UnitQuaternionManifold(double unit_length) : unit_(unit_length) {}
   int AmbientSize() const override { return 4; }
   int TangentSize() const override { return 3; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
@@ -45,7 +44,6 @@ class UnitQuaternionManifold final : public ceres::Manifold {
 
  private:
   Eigen::Vector4d ToQuaternion(const double* x) const;
-  Eigen::Vector3d anchor_;
   double unit_;
 };
 
