@@ -51,6 +51,7 @@ void Register_plane_moments(FactorRegistry* registry) {
       {"tilt_weight_2", "1/rad", "inverse sigma of the tilt along in-plane axis 2", 1.0, true},
       {"offset_weight", "1/m", "inverse sigma of the offset at the centroid", 1.0, true}};
   type.plane_blocks = true;
+  type.map_counterpart = "map_moments";
   type.add_plane = AddPlane;
   type.sample = Sample;
   registry->Add(std::move(type));

@@ -14,10 +14,11 @@
 #include "tools/common_flags.h"
 
 DEFINE_string(optimizer, "graph", "graph (joint), metascan (the paper's), none (pairwise chain)");
-DEFINE_string(plane_factor, "moments", "cost variant of the planes (see `planegraph factors`)");
+DEFINE_string(plane_factor, "moments",
+              "cost variant of the planes, NAME[:OPTION=VALUE,...] (see `planegraph factors`)");
 DEFINE_string(loss, "cauchy:2.4",
               "robust loss of the plane residuals, NAME[:SCALE]: none, huber, soft_l1, cauchy, "
-              "tukey, geman_mcclure, dcs");
+              "tukey, geman_mcclure, dcs; gnc_tls, gnc_gm (graduated non-convexity)");
 DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
 
@@ -30,7 +31,9 @@ namespace {
 MapOptions OptionsFromFlags() {
   MapOptions options;
   options.optimizer = FLAGS_optimizer;
-  options.plane_factor = FLAGS_plane_factor;
+  const FactorChoice factor = BuiltinFactors().Parse(FLAGS_plane_factor, FactorKind::kPlane);
+  options.plane_factor = factor.name;
+  options.plane_factor_options = factor.options;
   options.loss = ParseLoss(FLAGS_loss);
   options.threads = FLAGS_threads;
   return options;

@@ -47,18 +47,6 @@ struct Settings {
   std::optional<GncOptions> gnc;
 };
 
-// gnc_tls[:SCALE], gnc_gm[:SCALE]; none for other losses.
-std::optional<GncOptions> ParseGnc(const std::string& text) {
-  const std::string name = text.substr(0, text.find(':'));
-  if (name != "gnc_tls" && name != "gnc_gm") return std::nullopt;
-  GncOptions options;
-  options.kernel = name == "gnc_tls" ? GncKernel::kTruncated : GncKernel::kGemanMcClure;
-  // The scale is read as that of any other loss.
-  if (name.size() < text.size())
-    options.scale = ParseLoss("huber" + text.substr(name.size())).scale;
-  return options;
-}
-
 Settings SettingsFromFlags() {
   Settings settings;
   settings.chordal = Choice("init", FLAGS_init, {"chordal", "given"}) == 0;
@@ -69,14 +57,15 @@ Settings SettingsFromFlags() {
   // The flag is shared with `map`, whose default is another.
   const bool given = !gflags::GetCommandLineFlagInfoOrDie("loss").is_default;
   const std::string loss = given ? FLAGS_loss : "none";
-  settings.gnc = ParseGnc(loss);
-  if (!settings.gnc) settings.loss = ParseLoss(loss);
+  settings.loss = ParseLoss(loss);
+  if (IsGraduated(settings.loss)) {
+    settings.gnc = GncOptions{KernelOf(settings.loss), settings.loss.scale};
+  }
   if (!FLAGS_certify) return settings;
   if (settings.conversion.information != InformationUse::kIsotropic) {
     throw UsageError("--certify proves the isotropic problem: it needs --information=isotropic");
   }
-  if (settings.loss.name != "none" ||
-      (settings.gnc && settings.gnc->kernel != GncKernel::kTruncated)) {
+  if (settings.loss.name != "none" && settings.loss.name != "gnc_tls") {
     throw UsageError("--certify needs --loss=none or --loss=gnc_tls");
   }
   return settings;

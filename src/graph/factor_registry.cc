@@ -1,6 +1,8 @@
 #include "planegraph/graph/factor_registry.h"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "planegraph/base/error.h"
@@ -13,6 +15,8 @@ const char* ToString(FactorKind kind) {
       return "plane";
     case FactorKind::kMapPlane:
       return "map plane";
+    case FactorKind::kPlanePair:
+      return "plane pair";
     case FactorKind::kPose:
       return "pose";
     case FactorKind::kMap:
@@ -29,11 +33,14 @@ double OptionOr(const FactorOptions& options, const std::string& name, double fa
 void FactorType::CheckOptions(const FactorOptions& options) const {
   for (const auto& entry : options) {
     const std::string& option = entry.first;
-    const bool known =
-        std::any_of(parameters.begin(), parameters.end(), [&](const FactorParameter& parameter) {
-          return parameter.name == option && !parameter.is_field;
-        });
-    if (!known) throw UsageError("factor '" + name + "' has no parameter '" + option + "'");
+    const auto known = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const auto& p) { return p.name == option && !p.is_field; });
+    if (known == parameters.end()) {
+      throw UsageError("factor '" + name + "' has no parameter '" + option + "'");
+    }
+    if (!std::isfinite(entry.second) || (known->is_positive && entry.second <= 0.0)) {
+      throw UsageError("'" + option + "' of the factor '" + name + "' must be positive");
+    }
   }
 }
 
@@ -54,13 +61,32 @@ const FactorType& FactorRegistry::Get(const std::string& name, FactorKind kind) 
   throw UsageError("unknown factor '" + name + "' (there are: " + names + ")");
 }
 
-const FactorType& FactorRegistry::MapPlaneFactorFor(const FactorType& plane_factor) const {
-  for (const auto& [name, type] : types_) {
-    const bool fits = type.plane_blocks == plane_factor.plane_blocks;
-    if (type.kind == FactorKind::kMapPlane && fits) return type;
+const FactorType* FactorRegistry::MapPlaneFactorFor(const FactorType& plane_factor) const {
+  if (plane_factor.map_counterpart == plane_factor.name) return nullptr;
+  if (plane_factor.map_counterpart.empty()) {
+    throw UsageError("the plane factor '" + plane_factor.name +
+                     "' has no counterpart for drone maps");
   }
-  throw UsageError("the plane factor '" + plane_factor.name +
-                   "' has no counterpart for drone maps");
+  return &Get(plane_factor.map_counterpart, FactorKind::kMapPlane);
+}
+
+FactorChoice FactorRegistry::Parse(const std::string& text, FactorKind kind) const {
+  const std::size_t colon = text.find(':');
+  FactorChoice choice{text.substr(0, colon), {}};
+  const FactorType& type = Get(choice.name, kind);
+  std::istringstream list(colon == std::string::npos ? "" : text.substr(colon + 1));
+  for (std::string item; std::getline(list, item, ',');) {
+    const std::size_t equals = item.find('=');
+    std::istringstream value(equals == std::string::npos ? "" : item.substr(equals + 1));
+    double number = 0.0;
+    value >> number;
+    if (value.fail() || !value.eof() || !std::isfinite(number)) {
+      throw UsageError("'" + item + "' of the factor '" + choice.name + "' is not OPTION=NUMBER");
+    }
+    choice.options[item.substr(0, equals)] = number;
+  }
+  type.CheckOptions(choice.options);
+  return choice;
 }
 
 }  // namespace planegraph

@@ -37,6 +37,15 @@ void CheckPlane(const PlaneLandmark& plane, const Graph& graph, const std::strin
   }
 }
 
+void CheckPlaneFactor(const PlaneFactor& factor, int plane_count, const std::string& name) {
+  for (const int plane : factor.planes) {
+    Require(plane >= 0 && plane < plane_count, name + ": names a plane that does not exist");
+  }
+  Require(factor.planes[0] != factor.planes[1], name + ": ties a plane to itself");
+  Require(factor.sigma_angle > 0.0 && factor.sigma_offset > 0.0,
+          name + ": a sigma is not positive");
+}
+
 void CheckPoseFactor(const PoseFactor& factor, int pose_count, const std::string& name) {
   Require(!factor.poses.empty(), name + ": no poses");
   for (int pose : factor.poses) {
@@ -168,6 +177,10 @@ void CheckGraph(const Graph& graph) {
   }
   for (std::size_t k = 0; k < graph.planes.size(); ++k) {
     CheckPlane(graph.planes[k], graph, "plane " + std::to_string(k));
+  }
+  for (std::size_t k = 0; k < graph.plane_factors.size(); ++k) {
+    CheckPlaneFactor(graph.plane_factors[k], static_cast<int>(graph.planes.size()),
+                     "plane factor " + std::to_string(k));
   }
   for (const MapNode& node : graph.maps) {
     const Sim3& map = node.world_from_map;

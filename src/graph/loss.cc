@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 
+#include "planegraph/base/chi_square.h"
 #include "planegraph/base/error.h"
 
 namespace planegraph {
@@ -12,9 +13,10 @@ namespace {
 // Defaults: 95 % efficiency for Huber and Tukey, 2.4 for Cauchy; 2.8^2 = 7.8 is the 95 % quantile
 // of chi-square with the three degrees of freedom of a plane observation.
 const std::map<std::string, double>& DefaultScales() {
-  static const std::map<std::string, double> scales = {
-      {"none", 0.0},    {"huber", 1.345},       {"soft_l1", 1.0}, {"cauchy", 2.4},
-      {"tukey", 4.685}, {"geman_mcclure", 2.8}, {"dcs", 2.8}};
+  static const std::map<std::string, double> scales =
+      {{"none", 0.0},    {"huber", 1.345},       {"soft_l1", 1.0}, {"cauchy", 2.4},
+       {"tukey", 4.685}, {"geman_mcclure", 2.8}, {"dcs", 2.8},     {"gnc_tls", 0.0},
+       {"gnc_gm", 0.0}};  // these by the residual's dimension: GraduatedThreshold
   return scales;
 }
 
@@ -38,8 +40,8 @@ std::string LossSpec::ToString() const {
 }
 
 const std::vector<std::string>& LossNames() {
-  static const std::vector<std::string> names = {"none",  "huber",         "soft_l1", "cauchy",
-                                                 "tukey", "geman_mcclure", "dcs"};
+  static const std::vector<std::string> names = {
+      "none", "huber", "soft_l1", "cauchy", "tukey", "geman_mcclure", "dcs", "gnc_tls", "gnc_gm"};
   return names;
 }
 
@@ -64,6 +66,17 @@ std::unique_ptr<ceres::LossFunction> MakeLoss(const LossSpec& spec) {
   if (spec.name == "geman_mcclure") return std::make_unique<GemanMcClureLoss>(scale);
   if (spec.name == "dcs") return std::make_unique<DcsLoss>(scale);
   return nullptr;
+}
+
+bool IsGraduated(const LossSpec& spec) { return spec.name == "gnc_tls" || spec.name == "gnc_gm"; }
+
+GncKernel KernelOf(const LossSpec& spec) {
+  return spec.name == "gnc_gm" ? GncKernel::kGemanMcClure : GncKernel::kTruncated;
+}
+
+double GraduatedThreshold(const LossSpec& spec, int dimension) {
+  if (spec.scale > 0.0) return spec.scale * spec.scale;
+  return ChiSquareQuantile(0.99, dimension);
 }
 
 void GemanMcClureLoss::Evaluate(double s, double rho[3]) const {

@@ -75,6 +75,7 @@ void TakeOver(Graph graph, JointSolution* solution) {
 SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_priors = false) {
   SolveOptions solve;
   solve.plane_factor = options.plane_factor;
+  solve.plane_factor_options = options.plane_factor_options;
   solve.plane_loss = options.loss;
   solve.pose_loss = ParseLoss("cauchy:2.4");
   // The rounds before the last only have to bring surfaces together that the next association then

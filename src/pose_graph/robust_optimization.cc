@@ -6,14 +6,11 @@
 #include <optional>
 #include <utility>
 
+#include "planegraph/base/chi_square.h"
 #include "pose_graph/optimizer.h"
 
 namespace planegraph {
 namespace {
-
-// 99 % quantiles of chi-square with 3 and with 6 degrees of freedom (Abramowitz and Stegun, table
-// 26.8).
-constexpr double kChi2Of3 = 11.345, kChi2Of6 = 16.812;
 
 // The first truncated surrogates weigh loop closures next to nothing, so that the poses stay near
 // the others' minimum, and one step follows each change. Geman and McClure's first ones are almost
@@ -36,7 +33,8 @@ class GncRun {
   GncRun(PoseGraph<Dim>* graph, const GncOptions& options)
       : graph_(*graph),
         options_(options),
-        scale_(options.scale > 0.0 ? options.scale : std::sqrt(Dim == 3 ? kChi2Of6 : kChi2Of3)),
+        scale_(options.scale > 0.0 ? options.scale
+                                   : std::sqrt(ChiSquareQuantile(0.99, Dim == 3 ? 6 : 3))),
         schedule_(options.kernel, scale_) {
     CheckIndices(*graph);
     summary_.weights.assign(graph->edges.size(), 1.0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planegraph/base/error.h"
+
 namespace planegraph {
 namespace {
 
@@ -34,7 +36,8 @@ Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMat
 
 }  // namespace
 
-Assembly::Assembly(const Graph& graph, const SolveOptions& options) {
+Assembly::Assembly(const Graph& graph, const SolveOptions& options)
+    : graph_(graph), plane_loss_(options.plane_loss), pose_loss_(options.pose_loss) {
   SetBlocks(graph);
   AddPlanes(graph, options);
   AddPoseFactors(graph, options);
@@ -66,14 +69,36 @@ void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
   residuals_.reserve(observations + graph.pose_factors.size());
   losses_.push_back(MakeLoss(options.plane_loss));
   present_loss_ = losses_.back().get();
+  present_switch_ = SwitchOf(plane_loss_, true);
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
     type.add_plane(graph, k, options.plane_factor_options, this);
   }
-  if (graph.maps.empty()) return;
-  const FactorType& in_maps = BuiltinFactors().MapPlaneFactorFor(type);
+  AddPlaneFactors(graph);
+  const FactorType* in_maps =
+      graph.maps.empty() ? nullptr : BuiltinFactors().MapPlaneFactorFor(type);
+  if (in_maps == nullptr) return;
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
-    in_maps.add_plane(graph, k, {}, this);
+    in_maps->add_plane(graph, k, options.plane_factor_options, this);
   }
+}
+
+void Assembly::AddPlaneFactors(const Graph& graph) {
+  if (!graph.plane_factors.empty() && !plane_blocks_) {
+    throw UsageError("what ties planes needs a plane factor whose planes are unknowns");
+  }
+  const ceres::LossFunction* robust = present_loss_;
+  const LossSpec* graduated = present_switch_;
+  for (int k = 0; k < static_cast<int>(graph.plane_factors.size()); ++k) {
+    const PlaneFactor& factor = graph.plane_factors[k];
+    const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kPlanePair);
+    present_loss_ = factor.robust ? robust : nullptr;
+    present_switch_ = factor.robust ? graduated : nullptr;
+    Add(type.make_pair_cost(graph, factor),
+        {{BlockKind::kPlane, factor.planes[0]}, {BlockKind::kPlane, factor.planes[1]}},
+        ResidualTag{.plane_factor = k}, 1.0);
+  }
+  present_loss_ = robust;
+  present_switch_ = graduated;
 }
 
 void Assembly::AddMapFactors(const Graph& graph, const ceres::LossFunction* robust) {
@@ -81,13 +106,11 @@ void Assembly::AddMapFactors(const Graph& graph, const ceres::LossFunction* robu
     const MapFactor& factor = graph.map_factors[k];
     const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kMap);
     present_loss_ = factor.robust ? robust : nullptr;
+    present_switch_ = SwitchOf(pose_loss_, factor.robust);
     const ResidualTag tag{.map_factor = k};
-    const BlockRef first{BlockKind::kMap, factor.maps[0]};
-    if (factor.maps.size() == 1) {
-      Add(type.make_map_cost(factor), {first}, tag, 1.0);
-    } else {
-      Add(type.make_map_cost(factor), {first, {BlockKind::kMap, factor.maps[1]}}, tag, 1.0);
-    }
+    std::vector<BlockRef> blocks;
+    for (const int map : factor.maps) blocks.push_back({BlockKind::kMap, map});
+    Add(type.make_map_cost(factor), std::move(blocks), tag, 1.0);
   }
 }
 
@@ -98,26 +121,52 @@ void Assembly::AddPoseFactors(const Graph& graph, const SolveOptions& options) {
     const PoseFactor& factor = graph.pose_factors[k];
     const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kPose);
     present_loss_ = factor.robust ? robust : nullptr;
+    present_switch_ = SwitchOf(pose_loss_, factor.robust);
     const ResidualTag tag{.pose_factor = k};
-    const BlockRef first{BlockKind::kPose, factor.poses[0]};
-    if (factor.poses.size() == 1) {
-      Add(type.make_cost(factor), {first}, tag, 1.0);
-    } else {
-      Add(type.make_cost(factor), {first, {BlockKind::kPose, factor.poses[1]}}, tag, 1.0);
-    }
+    std::vector<BlockRef> blocks;
+    for (const int pose : factor.poses) blocks.push_back({BlockKind::kPose, pose});
+    Add(type.make_cost(factor), std::move(blocks), tag, 1.0);
   }
   AddMapFactors(graph, robust);
 }
 
-void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost,
-                   std::initializer_list<BlockRef> blocks, const ResidualTag& tag, double weight) {
+void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef> blocks,
+                   const ResidualTag& tag, double weight) {
   Residual& residual = residuals_.emplace_back();
   residual.cost = std::move(cost);
-  std::copy(blocks.begin(), blocks.end(), residual.blocks.begin());
-  residual.block_count = static_cast<int>(blocks.size());
+  residual.blocks = std::move(blocks);
   residual.tag = tag;
   residual.weight = weight;
-  residual.loss = LossFor(weight);
+  if (present_switch_ == nullptr) {
+    residual.loss = LossFor(weight);
+  } else {
+    AddSwitch(&residual);
+  }
+}
+
+// What the caller says of an observation or a pose factor; -1: it is by itself.
+int Assembly::GroupOf(const ResidualTag& tag) const {
+  if (tag.plane >= 0 && tag.observation >= 0) {
+    const auto& observations = graph_.planes[tag.plane].observations;
+    const int group = observations[tag.observation].group;
+    return group < 0 && tag.other_observation >= 0 ? observations[tag.other_observation].group
+                                                   : group;
+  }
+  return tag.pose_factor >= 0 ? graph_.pose_factors[tag.pose_factor].group : -1;
+}
+
+void Assembly::AddSwitch(Residual* residual) {
+  auto weight = std::make_unique<WeightLoss>(residual->weight);
+  const int group = GroupOf(residual->tag);
+  std::size_t place = switch_groups_.size();
+  if (group >= 0) {
+    place = group_places_.try_emplace({residual->tag.plane >= 0, group}, place).first->second;
+  }
+  if (place == switch_groups_.size()) switch_groups_.push_back({present_switch_, {}, {}});
+  switch_groups_[place].residuals.push_back(static_cast<int>(residuals_.size()) - 1);
+  switch_groups_[place].switches.push_back(weight.get());
+  residual->loss = weight.get();
+  losses_.push_back(std::move(weight));
 }
 
 // One loss object per kernel and weight: the weights 2/k take few values.
@@ -138,10 +187,10 @@ double* Assembly::Block(const BlockRef& block) {
 }
 
 double Assembly::Chi2(const Residual& residual, double* weight) {
-  constexpr int kMaxResiduals = 16;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResiduals, 1> r(residual.cost->num_residuals());
-  const double* blocks[2] = {Block(residual.blocks[0]), Block(residual.blocks[1])};
-  residual.cost->Evaluate(blocks, r.data(), nullptr);
+  Eigen::VectorXd r(residual.cost->num_residuals());
+  std::vector<const double*> blocks;
+  for (const BlockRef& block : residual.blocks) blocks.push_back(Block(block));
+  residual.cost->Evaluate(blocks.data(), r.data(), nullptr);
   const double chi2 = r.squaredNorm();
   if (weight != nullptr) *weight = LossDerivative(residual.loss, chi2);
   return chi2;
@@ -150,18 +199,20 @@ double Assembly::Chi2(const Residual& residual, double* weight) {
 void Assembly::Linearize(const Residual& residual, LinearizedResidual* out) {
   const int rows = residual.cost->num_residuals();
   out->residual.resize(rows);
-  std::array<RowMajorMatrix, 2> ambient;
-  const double* blocks[2] = {nullptr, nullptr};
-  double* jacobians[2] = {nullptr, nullptr};
-  for (int k = 0; k < residual.block_count; ++k) {
+  const std::size_t count = residual.blocks.size();
+  std::vector<RowMajorMatrix> ambient(count);
+  std::vector<const double*> blocks(count);
+  std::vector<double*> jacobians(count);
+  for (std::size_t k = 0; k < count; ++k) {
     ambient[k].resize(rows, residual.cost->parameter_block_sizes()[k]);
     blocks[k] = Block(residual.blocks[k]);
     jacobians[k] = ambient[k].data();
   }
-  residual.cost->Evaluate(blocks, out->residual.data(), jacobians);
+  residual.cost->Evaluate(blocks.data(), out->residual.data(), jacobians.data());
   const double scale = std::sqrt(LossDerivative(residual.loss, out->residual.squaredNorm()));
   out->residual *= scale;
-  for (int k = 0; k < residual.block_count; ++k) {
+  out->jacobians.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
     out->jacobians[k] = scale * ToTangent(residual.blocks[k].kind, blocks[k], ambient[k]);
   }
 }

@@ -3,7 +3,6 @@
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
 
-#include <array>
 #include <map>
 #include <memory>
 #include <vector>
@@ -15,33 +14,40 @@
 
 namespace planegraph {
 
-/// One residual block over one or two parameter blocks.
+/// One residual block.
 struct Residual {
   std::unique_ptr<ceres::CostFunction> cost;
-  std::array<BlockRef, 2> blocks;
-  int block_count = 0;
+  std::vector<BlockRef> blocks;
   ResidualTag tag;
   double weight = 1.0;
   ceres::LossFunction* loss = nullptr;  ///< with the weight in it; null: squared, weight 1
+};
+
+/// Residuals that a graduated loss weighs as one.
+struct SwitchGroup {
+  const LossSpec* loss = nullptr;
+  std::vector<int> residuals;         ///< indices in Assembly::residuals()
+  std::vector<WeightLoss*> switches;  ///< of each
 };
 
 /// A residual block with its Jacobians in the tangent spaces. Both are scaled by the square root of
 /// weight * rho', so that J^T J is the (first-order) information and J^T r the gradient.
 struct LinearizedResidual {
   Eigen::VectorXd residual;
-  std::array<Eigen::MatrixXd, 2> jacobians;  ///< residuals x 6 (pose), x 3 (plane) or x 7 (map)
+  std::vector<Eigen::MatrixXd> jacobians;  ///< residuals x 6 (pose), x 3 (plane) or x 7 (map)
 };
 
 /// All residuals of a graph, and the parameter blocks they work on. Ceres and the covariance both
-/// read from it.
+/// read from it. The graph has to live as long.
 class Assembly final : public ResidualSink {
  public:
   Assembly(const Graph& graph, const SolveOptions& options);
 
-  void Add(std::unique_ptr<ceres::CostFunction> cost, std::initializer_list<BlockRef> blocks,
+  void Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef> blocks,
            const ResidualTag& tag, double weight) override;
 
   const std::vector<Residual>& residuals() const { return residuals_; }
+  const std::vector<SwitchGroup>& switch_groups() const { return switch_groups_; }
   bool plane_blocks() const { return plane_blocks_; }
   double* Block(const BlockRef& block);
   double* PoseBlock(int index) { return &poses_[std::size_t(kPoseSize) * index]; }
@@ -58,14 +64,25 @@ class Assembly final : public ResidualSink {
  private:
   void SetBlocks(const Graph& graph);
   void AddPlanes(const Graph& graph, const SolveOptions& options);
+  void AddPlaneFactors(const Graph& graph);
   void AddMapFactors(const Graph& graph, const ceres::LossFunction* robust);
+  const LossSpec* SwitchOf(const LossSpec& loss, bool robust) const {
+    return robust && IsGraduated(loss) ? &loss : nullptr;
+  }
   void AddPoseFactors(const Graph& graph, const SolveOptions& options);
   ceres::LossFunction* LossFor(double weight);
+  void AddSwitch(Residual* residual);
+  int GroupOf(const ResidualTag& tag) const;
 
+  const Graph& graph_;
   std::vector<double> poses_, planes_, maps_;
   std::vector<Residual> residuals_;
   bool plane_blocks_ = false;
   const ceres::LossFunction* present_loss_ = nullptr;
+  const LossSpec* present_switch_ = nullptr;  // the graduated loss, where there is one
+  const LossSpec plane_loss_, pose_loss_;
+  std::vector<SwitchGroup> switch_groups_;
+  std::map<std::pair<bool, int>, std::size_t> group_places_;
   std::vector<std::unique_ptr<ceres::LossFunction>> losses_;
   std::map<std::pair<const ceres::LossFunction*, double>, ceres::LossFunction*> scaled_losses_;
 };

@@ -61,11 +61,7 @@ class GraphCovariance::Implementation {
       : graph_(graph), options_(covariance_options) {
     const LinearizedGraph linear = LinearizeGraph(graph, options);
     PoseInformation information(graph.poses.size());
-    for (const auto& plane : linear.planes) {
-      std::vector<const PlaneResidual*> residuals;
-      for (const PlaneResidual& residual : plane) residuals.push_back(&residual);
-      AddPlaneInformation(residuals, 1.0, &information);
-    }
+    AddAllPlaneInformation(linear, &information);
     planes_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, false));
     for (const auto& factor : linear.pose_factors) AddPoseFactorInformation(factor, &information);
     all_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, true));
@@ -143,7 +139,7 @@ class GraphCovariance::Implementation {
     std::map<std::string, double> shares;
     for (const LinearizedPoseFactor& factor : pose_factors_) {
       Eigen::VectorXd moved = Eigen::VectorXd::Zero(factor.jacobians[0].rows());
-      for (int k = 0; k < factor.block_count; ++k) {
+      for (std::size_t k = 0; k < factor.blocks.size(); ++k) {
         moved += factor.jacobians[k] *
                  response.segment(FirstRow(factor.blocks[k]), factor.jacobians[k].cols());
       }

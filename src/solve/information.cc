@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace planegraph {
 namespace {
@@ -10,15 +11,18 @@ namespace {
 using Eigen::Matrix3d;
 using Matrix3n = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 7>;
 
-// Pseudo-inverse of the plane's 3x3 block, judged after scaling to unit diagonal (radians and
-// metres). A plane that one weak observation alone sees has directions without information.
-Matrix3d PseudoInverse(const Matrix3d& h) {
-  const Eigen::Vector3d scale =
+// Pseudo-inverse of a plane's 3x3 block (or that of several), judged after scaling to unit diagonal
+// (radians and metres). A plane that one weak observation alone sees has directions without
+// information.
+template <typename Matrix>
+Matrix PseudoInverse(const Matrix& h) {
+  using Vector = Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1>;
+  const Vector scale =
       h.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(scale.asDiagonal() * h * scale.asDiagonal());
-  const Eigen::Vector3d inverse =
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(scale.asDiagonal() * h * scale.asDiagonal());
+  const Vector inverse =
       solver.eigenvalues().unaryExpr([](double v) { return v > 1e-12 ? 1.0 / v : 0.0; });
-  const Matrix3d scaled =
+  const Matrix scaled =
       solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
   return scale.asDiagonal() * scaled * scale.asDiagonal();
 }
@@ -39,8 +43,8 @@ void AddCoupling(int node, const Matrix3n& block, std::vector<Coupling>* couplin
 }
 
 void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* information) {
-  for (int a = 0; a < residual.block_count; ++a) {
-    for (int b = a; b < residual.block_count; ++b) {
+  for (std::size_t a = 0; a < residual.blocks.size(); ++a) {
+    for (std::size_t b = a; b < residual.blocks.size(); ++b) {
       if (residual.blocks[a].kind == BlockKind::kPlane) continue;
       if (residual.blocks[b].kind == BlockKind::kPlane) continue;
       information->Add(
@@ -48,6 +52,70 @@ void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* 
           weight * residual.linear.jacobians[a].transpose() * residual.linear.jacobians[b]);
     }
   }
+}
+
+// The normal equations of planes that are eliminated together.
+class GroupSystem {
+ public:
+  GroupSystem(const std::vector<const PlaneResidual*>& residuals, const PoseInformation& nodes) {
+    for (const PlaneResidual* residual : residuals) Place(*residual, nodes);
+    h_ll_ = Eigen::MatrixXd::Zero(planes_, planes_);
+    h_lp_ = Eigen::MatrixXd::Zero(planes_, rows_);
+    for (const PlaneResidual* residual : residuals) Add(*residual, nodes);
+  }
+
+  // First row and dimension of each node in the reduction.
+  const std::map<int, std::pair<int, int>>& nodes() const { return nodes_; }
+  Eigen::MatrixXd Reduction() const { return -h_lp_.transpose() * PseudoInverse(h_ll_) * h_lp_; }
+
+ private:
+  void Place(const PlaneResidual& residual, const PoseInformation& nodes) {
+    for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
+      const BlockRef& block = residual.blocks[k];
+      const int size = static_cast<int>(residual.linear.jacobians[k].cols());
+      if (block.kind == BlockKind::kPlane) {
+        if (place_.try_emplace(block.index, planes_).second) planes_ += size;
+      } else if (nodes_.try_emplace(nodes.NodeOf(block), rows_, size).second) {
+        rows_ += size;
+      }
+    }
+  }
+
+  void Add(const PlaneResidual& residual, const PoseInformation& nodes) {
+    const auto& jacobians = residual.linear.jacobians;
+    for (std::size_t l = 0; l < residual.blocks.size(); ++l) {
+      if (residual.blocks[l].kind != BlockKind::kPlane) continue;
+      const int row = place_.at(residual.blocks[l].index);
+      for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
+        const BlockRef& block = residual.blocks[k];
+        const bool is_plane = block.kind == BlockKind::kPlane;
+        const Eigen::MatrixXd product = jacobians[l].transpose() * jacobians[k];
+        const int column = is_plane ? place_.at(block.index) : nodes_.at(nodes.NodeOf(block)).first;
+        (is_plane ? h_ll_ : h_lp_).block(row, column, product.rows(), product.cols()) += product;
+      }
+    }
+  }
+
+  std::map<int, int> place_;  // first row of each plane
+  std::map<int, std::pair<int, int>> nodes_;
+  int planes_ = 0, rows_ = 0;
+  Eigen::MatrixXd h_ll_, h_lp_;
+};
+
+// Of each plane the first one of those that plane factors tie together.
+std::vector<std::size_t> GroupsOfPlanes(const LinearizedGraph& linear) {
+  std::vector<std::size_t> root(linear.planes.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::size_t k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  for (const PlaneResidual& tie : linear.plane_factors) {
+    const std::size_t a = find(tie.blocks[0].index), b = find(tie.blocks[1].index);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
+  return root;
 }
 
 }  // namespace
@@ -71,10 +139,11 @@ void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, dou
   for (const PlaneResidual* residual : residuals) {
     AddPosePart(*residual, weight, information);
     const auto& jacobians = residual->linear.jacobians;
-    for (int k = 0; k < residual->block_count; ++k) {
+    const std::size_t count = residual->blocks.size();
+    for (std::size_t k = 0; k < count; ++k) {
       if (residual->blocks[k].kind != BlockKind::kPlane) continue;
       h_ll += jacobians[k].transpose() * jacobians[k];
-      for (int p = 0; p < residual->block_count; ++p) {
+      for (std::size_t p = 0; p < count; ++p) {
         if (residual->blocks[p].kind == BlockKind::kPlane) continue;
         AddCoupling(information->NodeOf(residual->blocks[p]),
                     jacobians[k].transpose() * jacobians[p], &couplings);
@@ -91,9 +160,41 @@ void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, dou
   }
 }
 
+void AddPlaneGroupInformation(const std::vector<const PlaneResidual*>& residuals,
+                              PoseInformation* information) {
+  for (const PlaneResidual* residual : residuals) AddPosePart(*residual, 1.0, information);
+  const GroupSystem system(residuals, *information);
+  const Eigen::MatrixXd reduction = system.Reduction();
+  for (const auto& [a, at] : system.nodes()) {
+    for (const auto& [b, to] : system.nodes()) {
+      if (b < a) continue;
+      information->Add(a, b, reduction.block(at.first, to.first, at.second, to.second));
+    }
+  }
+}
+
+void AddAllPlaneInformation(const LinearizedGraph& linear, PoseInformation* information) {
+  const std::vector<std::size_t> group = GroupsOfPlanes(linear);
+  std::map<std::size_t, std::vector<const PlaneResidual*>> groups;
+  for (const PlaneResidual& tie : linear.plane_factors) {
+    groups[group[tie.blocks[0].index]].push_back(&tie);
+  }
+  for (std::size_t k = 0; k < linear.planes.size(); ++k) {
+    std::vector<const PlaneResidual*> own;
+    for (const PlaneResidual& residual : linear.planes[k]) own.push_back(&residual);
+    const auto tied = groups.find(group[k]);
+    if (tied == groups.end()) {
+      AddPlaneInformation(own, 1.0, information);
+    } else {
+      tied->second.insert(tied->second.end(), own.begin(), own.end());
+    }
+  }
+  for (const auto& [first, residuals] : groups) AddPlaneGroupInformation(residuals, information);
+}
+
 void AddPoseFactorInformation(const LinearizedPoseFactor& factor, PoseInformation* information) {
-  for (int a = 0; a < factor.block_count; ++a) {
-    for (int b = a; b < factor.block_count; ++b) {
+  for (std::size_t a = 0; a < factor.blocks.size(); ++a) {
+    for (std::size_t b = a; b < factor.blocks.size(); ++b) {
       information->Add(information->NodeOf(factor.blocks[a]), information->NodeOf(factor.blocks[b]),
                        factor.jacobians[a].transpose() * factor.jacobians[b]);
     }
@@ -101,19 +202,27 @@ void AddPoseFactorInformation(const LinearizedPoseFactor& factor, PoseInformatio
 }
 
 LinearizedGraph LinearizeGraph(const Graph& graph, const SolveOptions& options) {
-  Assembly assembly(graph, options);
+  SolveOptions by_observations = options;
+  const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
+  if (!type.linearized_as.empty()) {
+    by_observations.plane_factor = type.linearized_as;
+    by_observations.plane_factor_options.clear();
+  }
+  Assembly assembly(graph, by_observations);
   LinearizedGraph result;
   result.planes.resize(graph.planes.size());
   LinearizedResidual linear;
   for (const Residual& residual : assembly.residuals()) {
     assembly.Linearize(residual, &linear);
     if (residual.tag.plane >= 0) {
-      result.planes[residual.tag.plane].push_back(
-          {residual.blocks, residual.block_count, residual.tag, linear});
+      result.planes[residual.tag.plane].push_back({residual.blocks, residual.tag, linear});
       continue;
     }
-    result.pose_factors.push_back(
-        {residual.tag, residual.blocks, residual.block_count, linear.jacobians});
+    if (residual.tag.plane_factor >= 0) {
+      result.plane_factors.push_back({residual.blocks, residual.tag, linear});
+      continue;
+    }
+    result.pose_factors.push_back({residual.tag, residual.blocks, linear.jacobians});
   }
   return result;
 }

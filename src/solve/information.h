@@ -37,29 +37,35 @@ class PoseInformation {
 /// A factor of poses or maps, linearized: its Jacobians by the world perturbations of its nodes.
 struct LinearizedPoseFactor {
   ResidualTag tag;
-  std::array<BlockRef, 2> blocks;
-  int block_count = 0;
-  std::array<Eigen::MatrixXd, 2> jacobians;
+  std::vector<BlockRef> blocks;
+  std::vector<Eigen::MatrixXd> jacobians;
 };
 
 /// Adds the information of residuals that all belong to one plane (linearized), the plane
 /// eliminated by Schur's complement: H_pp - H_pl H_ll^+ H_lp.
 struct PlaneResidual {
-  std::array<BlockRef, 2> blocks;
-  int block_count = 0;
+  std::vector<BlockRef> blocks;
   ResidualTag tag;
   LinearizedResidual linear;
 };
 void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, double weight,
                          PoseInformation* information);
 
-/// The linearized residuals of each plane of the graph, and of its pose factors.
+/// The same for planes that factors tie to each other: all of them are eliminated together.
+void AddPlaneGroupInformation(const std::vector<const PlaneResidual*>& residuals,
+                              PoseInformation* information);
+
+/// The linearized residuals of each plane of the graph, of what ties planes, and of its pose
+/// factors.
 struct LinearizedGraph {
   std::vector<std::vector<PlaneResidual>> planes;
+  std::vector<PlaneResidual> plane_factors;
   std::vector<LinearizedPoseFactor> pose_factors;
 };
 LinearizedGraph LinearizeGraph(const Graph& graph, const SolveOptions& options);
 
+/// Adds the information of all planes, in groups where plane factors tie them.
+void AddAllPlaneInformation(const LinearizedGraph& linear, PoseInformation* information);
 void AddPoseFactorInformation(const LinearizedPoseFactor& factor, PoseInformation* information);
 
 }  // namespace planegraph

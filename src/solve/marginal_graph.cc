@@ -33,8 +33,7 @@ std::vector<Pair> PairsOf(const std::set<int>& poses, const std::map<Pair, Matri
 }
 
 bool Concerns(const PlaneResidual& residual, const Pair& pair) {
-  for (int k = 0; k < residual.block_count; ++k) {
-    const BlockRef& block = residual.blocks[k];
+  for (const BlockRef& block : residual.blocks) {
     if (block.kind == BlockKind::kMap) return false;
     if (block.kind != BlockKind::kPose) continue;
     if (block.index != pair.first && block.index != pair.second) return false;
@@ -64,7 +63,7 @@ void AddPlane(const PlaneLandmark& plane, const std::vector<PlaneResidual>& resi
 
 void AddPoseFactors(const LinearizedGraph& linear, std::map<Pair, Matrix6d>* wanted) {
   for (const LinearizedPoseFactor& factor : linear.pose_factors) {
-    if (factor.block_count < 2 || factor.tag.pose_factor < 0) continue;
+    if (factor.blocks.size() < 2 || factor.tag.pose_factor < 0) continue;
     const Pair pair = Ordered({factor.blocks[0].index, factor.blocks[1].index});
     const auto found = wanted->find(pair);
     if (found == wanted->end()) continue;
@@ -118,8 +117,8 @@ std::vector<MarginalEdge> MarginalEdges(const Graph& graph, const std::vector<Pa
                                         const SolveOptions& options) {
   CheckGraph(graph);
   const LinearizedGraph linear = LinearizeGraph(graph, options);
-  const bool plane_blocks =
-      BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane).plane_blocks;
+  const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
+  const bool plane_blocks = type.plane_blocks || !type.linearized_as.empty();
   std::map<Pair, Matrix6d> wanted;
   for (const Pair& pair : pairs) wanted[Ordered(pair)] = Matrix6d::Zero();
   for (std::size_t k = 0; k < graph.planes.size(); ++k) {

@@ -1,7 +1,8 @@
 #include "solve/pose_system.h"
 
 #include <cmath>
-#include <stdexcept>
+
+#include "planegraph/base/error.h"
 
 namespace planegraph {
 namespace {
@@ -59,7 +60,9 @@ void PoseSystem::Factorize(const PoseInformation& information) {
   Eigen::SparseMatrix<double> matrix(scale_.size(), scale_.size());
   matrix.setFromTriplets(triplets.begin(), triplets.end());
   cholesky_.compute(matrix);
-  if (cholesky_.info() != Eigen::Success) throw std::runtime_error("information is not positive");
+  if (cholesky_.info() != Eigen::Success) {
+    throw NoResultError("no covariance: the information of the poses is not positive");
+  }
 }
 
 Eigen::MatrixXd PoseSystem::Solve(const Eigen::MatrixXd& rhs) const {

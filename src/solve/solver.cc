@@ -2,7 +2,10 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 
 #include "solve/assembly.h"
 
@@ -18,6 +21,7 @@ struct Manifolds {
   Se3Manifold pose;
   PlaneManifold plane;
   Sim3Manifold map;
+  std::vector<std::unique_ptr<ceres::Manifold>> planes;  // where the plane factor has its own
 };
 
 struct BlockUse {
@@ -43,11 +47,24 @@ BlockUse FindUsedBlocks(const Graph& graph, const Assembly& assembly) {
   BlockUse use{std::vector<bool>(graph.poses.size()), std::vector<bool>(graph.planes.size()),
                std::vector<bool>(graph.maps.size())};
   for (const Residual& residual : assembly.residuals()) {
-    for (int k = 0; k < residual.block_count; ++k) {
-      use.Of(residual.blocks[k].kind)[residual.blocks[k].index] = true;
-    }
+    for (const BlockRef& block : residual.blocks) use.Of(block.kind)[block.index] = true;
   }
   return use;
+}
+
+void AddPlaneBlocks(const Graph& graph, const SolveOptions& options, const BlockUse& use,
+                    Manifolds* manifolds, Assembly* assembly, ceres::Problem* problem) {
+  const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
+  for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
+    if (!use.planes[k]) continue;
+    ceres::Manifold* manifold = &manifolds->plane;
+    if (type.make_manifold) {
+      manifolds->planes.push_back(
+          type.make_manifold(graph.planes[k], options.plane_factor_options));
+      manifold = manifolds->planes.back().get();
+    }
+    problem->AddParameterBlock(assembly->PlaneBlock(k), kPlaneSize, manifold);
+  }
 }
 
 void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge, Manifolds* manifolds,
@@ -62,23 +79,21 @@ void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge, Mani
     problem->AddParameterBlock(assembly->MapBlock(m), kMapSize, &manifolds->map);
     if (gauge.maps[m]) problem->SetParameterBlockConstant(assembly->MapBlock(m));
   }
-  for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
-    if (!use.planes[k]) continue;
-    problem->AddParameterBlock(assembly->PlaneBlock(k), kPlaneSize, &manifolds->plane);
-  }
 }
 
 void AddResiduals(Assembly* assembly, ceres::Problem* problem) {
   for (const Residual& residual : assembly->residuals()) {
-    double* blocks[2] = {assembly->Block(residual.blocks[0]), nullptr};
-    if (residual.block_count > 1) blocks[1] = assembly->Block(residual.blocks[1]);
-    problem->AddResidualBlock(residual.cost.get(), residual.loss, blocks, residual.block_count);
+    std::vector<double*> blocks;
+    for (const BlockRef& block : residual.blocks) blocks.push_back(assembly->Block(block));
+    problem->AddResidualBlock(residual.cost.get(), residual.loss, blocks);
   }
 }
 
 ceres::LinearSolverType ChooseSolver(const Graph& graph, const Assembly& assembly,
                                      LinearSolver wanted) {
-  if (!assembly.plane_blocks() || wanted == LinearSolver::kSparseCholesky) {
+  // What ties two planes: they cannot all be eliminated one by one.
+  const bool tied = !graph.plane_factors.empty();
+  if (!assembly.plane_blocks() || tied || wanted == LinearSolver::kSparseCholesky) {
     return ceres::SPARSE_NORMAL_CHOLESKY;
   }
   if (wanted == LinearSolver::kDenseSchur) return ceres::DENSE_SCHUR;
@@ -129,12 +144,18 @@ std::vector<ResidualReport> CollectResiduals(Assembly* assembly) {
   return reports;
 }
 
+// Whether the residual is that of a whole plane, which is an unknown within it.
+bool HidesPlane(const Residual& residual) {
+  return residual.tag.plane >= 0 && residual.tag.observation < 0;
+}
+
+// Of the first solve the initial cost, of the last one all else.
 void Fill(const ceres::Solver::Summary& ceres_summary, SolveSummary* summary) {
+  if (summary->residual_count == 0) summary->initial_cost = ceres_summary.initial_cost;
   summary->converged = ceres_summary.termination_type == ceres::CONVERGENCE;
   summary->usable = ceres_summary.IsSolutionUsable();
-  summary->initial_cost = ceres_summary.initial_cost;
   summary->final_cost = ceres_summary.final_cost;
-  summary->iterations = static_cast<int>(ceres_summary.iterations.size()) - 1;
+  summary->iterations += static_cast<int>(ceres_summary.iterations.size()) - 1;
   for (const ceres::IterationSummary& step : ceres_summary.iterations) {
     if (step.iteration == 0 || step.step_is_successful) summary->costs.push_back(step.cost);
   }
@@ -144,21 +165,140 @@ void Fill(const ceres::Solver::Summary& ceres_summary, SolveSummary* summary) {
   summary->linear_solver = ceres::LinearSolverTypeToString(ceres_summary.linear_solver_type_used);
 }
 
-void Minimize(const Graph& graph, const SolveOptions& options, Assembly* assembly,
-              SolveSummary* summary) {
-  Manifolds manifolds;
-  ceres::Problem problem(CheapProblem());
-  const BlockUse use = FindUsedBlocks(graph, *assembly);
-  AddBlocks(graph, use, GaugeFixed(graph, true), &manifolds, assembly, &problem);
-  AddResiduals(assembly, &problem);
-  const ceres::LinearSolverType type = ChooseSolver(graph, *assembly, options.linear_solver);
-  ceres::Solver::Options ceres_options = CeresOptions(options, type);
-  if (type != ceres::SPARSE_NORMAL_CHOLESKY) {
-    ceres_options.linear_solver_ordering = PlanesFirst(graph, use, assembly);
+// The problem as Ceres has it, for one solve or several under changing weights.
+class Minimizer {
+ public:
+  Minimizer(const Graph& graph, const SolveOptions& options, Assembly* assembly)
+      : graph_(graph),
+        assembly_(assembly),
+        problem_(CheapProblem()),
+        use_(FindUsedBlocks(graph, *assembly)) {
+    AddBlocks(graph, use_, GaugeFixed(graph, true), &manifolds_, assembly, &problem_);
+    AddPlaneBlocks(graph, options, use_, &manifolds_, assembly, &problem_);
+    AddResiduals(assembly, &problem_);
+    const auto& residuals = assembly->residuals();
+    hidden_planes_ =
+        static_cast<int>(std::count_if(residuals.begin(), residuals.end(), HidesPlane));
   }
-  ceres::Solver::Summary ceres_summary;
-  ceres::Solve(ceres_options, &problem, &ceres_summary);
-  Fill(ceres_summary, summary);
+
+  void Run(const SolveOptions& options, SolveSummary* summary) {
+    const ceres::LinearSolverType type = ChooseSolver(graph_, *assembly_, options.linear_solver);
+    ceres::Solver::Options ceres_options = CeresOptions(options, type);
+    if (type != ceres::SPARSE_NORMAL_CHOLESKY) {
+      ceres_options.linear_solver_ordering = PlanesFirst(graph_, use_, assembly_);
+    }
+    ceres::Solver::Summary ceres_summary;
+    ceres::Solve(ceres_options, &problem_, &ceres_summary);
+    Fill(ceres_summary, summary);
+    summary->parameter_count += hidden_planes_ * kPlaneTangent;
+  }
+
+ private:
+  const Graph& graph_;
+  Assembly* assembly_;
+  Manifolds manifolds_;  // outlives the problem
+  ceres::Problem problem_;
+  BlockUse use_;
+  int hidden_planes_ = 0;
+};
+
+// The outer loop of the graduated losses: planes and pose factors each have their schedule. All
+// chi2 are relative to their limits, so that 1 is the scale of either.
+class Graduation {
+ public:
+  Graduation(const SolveOptions& options, Assembly* assembly)
+      : assembly_(assembly),
+        planes_(KernelOf(options.plane_loss), 1.0),
+        poses_(KernelOf(options.pose_loss), 1.0) {
+    for (const SwitchGroup& group : assembly->switch_groups()) {
+      const Residual& first = assembly->residuals()[group.residuals.front()];
+      is_plane_.push_back(first.tag.plane >= 0 || first.tag.plane_factor >= 0);
+      limits_.push_back(LimitOf(*assembly, group));
+    }
+    Measure();
+    planes_.Start(chi2_[1]);
+    poses_.Start(chi2_[0]);
+  }
+
+  bool Finished() const { return planes_.Finished() && poses_.Finished(); }
+
+  void SetWeights(bool final) {
+    std::array<std::size_t, 2> next = {0, 0};
+    for (std::size_t g = 0; g < is_plane_.size(); ++g) {
+      const SwitchGroup& group = assembly_->switch_groups()[g];
+      const GncSchedule& schedule = is_plane_[g] ? planes_ : poses_;
+      const double chi2 = chi2_[is_plane_[g]][next[is_plane_[g]]++];
+      const double weight = final ? schedule.FinalWeight(chi2) : schedule.Weight(chi2);
+      for (std::size_t k = 0; k < group.switches.size(); ++k) {
+        group.switches[k]->Set(weight * assembly_->residuals()[group.residuals[k]].weight);
+      }
+    }
+  }
+
+  void Advance() {
+    Measure();
+    if (!planes_.Finished()) planes_.Advance(chi2_[1]);
+    if (!poses_.Finished()) poses_.Advance(chi2_[0]);
+  }
+
+  void Measure() {
+    chi2_ = {};
+    for (std::size_t g = 0; g < is_plane_.size(); ++g) {
+      const SwitchGroup& group = assembly_->switch_groups()[g];
+      double sum = 0.0;
+      for (const int index : group.residuals) {
+        const Residual& residual = assembly_->residuals()[index];
+        sum += assembly_->Chi2(residual, nullptr) * (HidesPlane(residual) ? residual.weight : 1.0);
+      }
+      chi2_[is_plane_[g]].push_back(sum / limits_[g]);
+    }
+  }
+
+ private:
+  // What the chi2 of a group may add up to. A group is right or wrong as one: the quantile is that
+  // of all of its degrees of freedom, not the sum of its members'.
+  static double LimitOf(const Assembly& assembly, const SwitchGroup& group) {
+    int degrees = 0;
+    double residuals = 0.0;  // `eliminated` has the mean of as many as its weight
+    for (const int index : group.residuals) {
+      const Residual& residual = assembly.residuals()[index];
+      const bool hides = HidesPlane(residual);
+      degrees += residual.cost->num_residuals() - (hides ? kPlaneTangent : 0);
+      residuals += hides ? residual.weight : 1.0;
+    }
+    const double limit = GraduatedThreshold(*group.loss, degrees);
+    return group.loss->scale > 0.0 ? residuals * limit : limit;
+  }
+
+  Assembly* assembly_;
+  GncSchedule planes_, poses_;
+  std::vector<bool> is_plane_;               // of each group
+  std::vector<double> limits_;               // of each group's chi2
+  std::array<std::vector<double>, 2> chi2_;  // of pose factors, of planes
+};
+
+void MinimizeGraduated(const SolveOptions& options, Assembly* assembly, Minimizer* minimizer,
+                       SolveSummary* summary) {
+  // A surrogate's solution is but the next one's start.
+  SolveOptions quick = options;
+  quick.max_iterations = std::min(options.max_iterations, 10);
+  quick.function_tolerance = std::max(options.function_tolerance, 1e-4);
+  minimizer->Run(quick, summary);
+  Graduation graduation(options, assembly);
+  for (; !graduation.Finished(); ++summary->graduated_steps) {
+    graduation.SetWeights(false);
+    minimizer->Run(quick, summary);
+    graduation.Advance();
+  }
+  // Weights of the robust cost itself, until none of them changes the solution any more.
+  constexpr int kMostLastSteps = 10;
+  for (int step = 0; step < kMostLastSteps; ++step) {
+    graduation.Measure();
+    graduation.SetWeights(true);
+    const double before = summary->final_cost;
+    minimizer->Run(options, summary);
+    if (std::abs(summary->final_cost - before) <= 1e-6 * before) break;
+  }
 }
 
 }  // namespace
@@ -168,7 +308,12 @@ SolveSummary Solve(Graph* graph, const SolveOptions& options) {
   CheckGraph(*graph);
   Assembly assembly(*graph, options);
   SolveSummary summary;
-  Minimize(*graph, options, &assembly, &summary);
+  Minimizer minimizer(*graph, options, &assembly);
+  if (assembly.switch_groups().empty()) {
+    minimizer.Run(options, &summary);
+  } else {
+    MinimizeGraduated(options, &assembly, &minimizer, &summary);
+  }
   if (summary.usable) {
     assembly.Store(graph);
     // Planes that are no unknowns of the problem follow from the poses.

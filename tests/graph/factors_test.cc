@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <functional>
+#include <limits>
 
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
@@ -45,18 +47,36 @@ std::pair<std::size_t, std::size_t> Lengths(BlockKind kind) {
   return {4, 7};
 }
 
-// Central differences in the tangent space, two steps extrapolated (Richardson).
+// Ridders' method: central differences over shrinking steps, extrapolated to zero; the best of the
+// table by its own estimate of the error. So no cost has to say over what angle or length it bends.
+VectorXd Derivative(const std::function<VectorXd(double)>& f, double step) {
+  constexpr int kSteps = 12;
+  constexpr double kShrink = 2.5;
+  std::vector<VectorXd> previous, row;
+  VectorXd best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSteps; ++i, step /= kShrink) {
+    row = {(f(step) - f(-step)) / (2.0 * step)};
+    double power = 1.0;
+    for (int j = 1; j <= i; ++j) {
+      power *= kShrink * kShrink;
+      row.push_back((power * row[j - 1] - previous[j - 1]) / (power - 1.0));
+      const double error =
+          std::max((row[j] - row[j - 1]).norm(), (row[j] - previous[j - 1]).norm());
+      if (error < least) least = error, best = row[j];
+    }
+    previous = row;
+  }
+  return best;
+}
+
 MatrixXd NumericJacobian(const FactorSample& sample, std::size_t block, double length) {
   const int size = ManifoldOf(sample.kinds[block]).TangentSize();
   MatrixXd jacobian(sample.cost->num_residuals(), size);
   for (int k = 0; k < size; ++k) {
-    const bool is_length = IsLength(sample.kinds[block], k);
-    const double h = is_length ? 1e-2 * length : 1e-4;
-    const auto difference = [&](double step) -> VectorXd {
-      const VectorXd delta = step * VectorXd::Unit(size, k);
-      return (Evaluate(sample, block, delta) - Evaluate(sample, block, -delta)) / (2 * step);
-    };
-    jacobian.col(k) = (4.0 * difference(0.5 * h) - difference(h)) / 3.0;
+    const double step = IsLength(sample.kinds[block], k) ? 0.1 * length : 0.1;
+    jacobian.col(k) = Derivative(
+        [&](double h) { return Evaluate(sample, block, h * VectorXd::Unit(size, k)); }, step);
   }
   return jacobian;
 }
@@ -132,6 +152,7 @@ TEST_P(EveryFactor, SaysWhatItIs) {
   EXPECT_EQ(static_cast<bool>(type().add_plane),
             kind == FactorKind::kPlane || kind == FactorKind::kMapPlane);
   EXPECT_EQ(static_cast<bool>(type().make_cost), kind == FactorKind::kPose);
+  EXPECT_EQ(static_cast<bool>(type().make_pair_cost), kind == FactorKind::kPlanePair);
   EXPECT_EQ(static_cast<bool>(type().make_map_cost), kind == FactorKind::kMap);
 }
 
@@ -177,8 +198,8 @@ TEST(JacobianTest, FindsAWrongJacobian) {
 // Collects the cost functions that a factor makes.
 class Collector final : public ResidualSink {
  public:
-  void Add(std::unique_ptr<ceres::CostFunction> cost, std::initializer_list<BlockRef>,
-           const ResidualTag&, double weight) override {
+  void Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef>, const ResidualTag&,
+           double weight) override {
     costs.push_back(std::move(cost));
     weights.push_back(weight);
   }
@@ -252,6 +273,29 @@ TEST(PlanePosePose, PairsOfAPlaneSeenKTimesWeighTwoOverK) {
   BuiltinFactors().Get("pose_pose", FactorKind::kPlane).add_plane(graph, 0, {}, &collector);
   ASSERT_EQ(collector.costs.size(), 10u);
   for (const double weight : collector.weights) EXPECT_DOUBLE_EQ(weight, 0.4);
+}
+
+TEST(FactorRegistry, ParsesNamesWithOptions) {
+  const FactorRegistry& all = BuiltinFactors();
+  EXPECT_TRUE(all.Parse("moments", FactorKind::kPlane).options.empty());
+  const FactorChoice choice = all.Parse("unit_quaternion:unit_length=2.5", FactorKind::kPlane);
+  EXPECT_EQ(choice.name, "unit_quaternion");
+  EXPECT_EQ(choice.options, (FactorOptions{{"unit_length", 2.5}}));
+  for (const char* text : {"", "nothing", "unit_quaternion:unit_length",
+                           "unit_quaternion:unit_length=", "unit_quaternion:unit_length=x",
+                           "unit_quaternion:unit_length=inf", "unit_quaternion:unit_length=0",
+                           "unit_quaternion:unit_length=-1", "moments:unit_length=1", "parallel"}) {
+    EXPECT_THROW(all.Parse(text, FactorKind::kPlane), UsageError) << text;
+  }
+}
+
+TEST(FactorRegistry, EveryPlaneFactorKnowsItsCounterpartForMaps) {
+  for (const auto& [name, type] : BuiltinFactors().types()) {
+    if (type.kind != FactorKind::kPlane) continue;
+    const FactorType* in_maps = BuiltinFactors().MapPlaneFactorFor(type);
+    if (in_maps == nullptr) continue;
+    EXPECT_EQ(in_maps->plane_blocks, type.plane_blocks) << name;
+  }
 }
 
 TEST(FactorRegistry, NamesAreUniqueAndKindsAreKept) {

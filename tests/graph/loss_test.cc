@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "planegraph/base/error.h"
@@ -51,7 +50,7 @@ TEST_P(EveryLoss, ParsesAndPrints) {
 
 std::vector<std::string> RobustNames() {
   std::vector<std::string> names = LossNames();
-  names.erase(std::remove(names.begin(), names.end(), "none"), names.end());
+  std::erase_if(names, [](const std::string& n) { return n == "none" || IsGraduated({n, 0.0}); });
   return names;
 }
 INSTANTIATE_TEST_SUITE_P(Losses, EveryLoss, testing::ValuesIn(RobustNames()),
@@ -66,6 +65,24 @@ TEST(Dcs, DerivativeIsTheSquaredWeightOfTheMethod) {
   double rho[3];
   DcsLoss(2.0).Evaluate(12.0, rho);
   EXPECT_NEAR(rho[1], std::pow(2.0 * 4.0 / (4.0 + 12.0), 2), 1e-15);
+}
+
+TEST(GraduatedThreshold, IsTheQuantileOfChiSquare) {
+  // 99 %, from tables.
+  for (const auto& [dimension, quantile] :
+       {std::pair(1, 6.635), {2, 9.210}, {3, 11.345}, {6, 16.812}, {15, 30.578}}) {
+    EXPECT_NEAR(GraduatedThreshold({"gnc_tls", 0.0}, dimension) / quantile, 1.0, 1e-4);
+    EXPECT_DOUBLE_EQ(GraduatedThreshold({"gnc_tls", 3.0}, dimension), 9.0);
+  }
+}
+
+TEST(ParseLoss, TakesGraduatedLosses) {
+  for (const char* name : {"gnc_tls", "gnc_gm"}) {
+    EXPECT_TRUE(IsGraduated(ParseLoss(name)));
+    EXPECT_EQ(ParseLoss(std::string(name) + ":3").scale, 3.0);
+    EXPECT_EQ(MakeLoss(ParseLoss(name)), nullptr);
+  }
+  EXPECT_FALSE(IsGraduated(ParseLoss("geman_mcclure")));
 }
 
 TEST(ParseLoss, NoneHasNoFunction) { EXPECT_EQ(MakeLoss(ParseLoss("none")), nullptr); }

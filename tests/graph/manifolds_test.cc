@@ -5,6 +5,7 @@
 
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/graph/factor_sampling.h"
+#include "planegraph/graph/plane_charts.h"
 
 namespace planegraph {
 namespace {
@@ -66,6 +67,39 @@ TEST(PlaneManifold, InvariantsHold) {
     y << sampler.UnitVector(), sampler.Uniform(-1, 1);
     EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(PlaneManifold(), x, Tangent(&sampler, 3), y, kTolerance);
   }
+}
+
+TEST(PlaneCharts, InvariantsHold) {
+  std::mt19937_64 rng(5);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    FactorSampler sampler(&rng);
+    const Eigen::Vector3d arm = 3.0 * sampler.UnitVector();
+    Vector x(4), y(4);
+    x << sampler.UnitVector(), 0.0;
+    x[3] = sampler.Uniform(3.0, 5.0) - x.head<3>().dot(arm);  // 3 to 5 m from the reference
+    y << (x.head<3>() + 0.4 * sampler.UnitVector()).normalized(), 0.0;
+    y[3] = sampler.Uniform(3.0, 5.0) - y.head<3>().dot(arm);
+    const Vector small = 0.5 * Tangent(&sampler, 3);
+    const auto check = [&](const Manifold& chart) {
+      EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(chart, x, small, y, kTolerance);
+    };
+    check(ClosestPointManifold(arm));
+    check(UnitQuaternionManifold(2.0));
+  }
+}
+
+TEST(PlaneCharts, StepsMoveTheClosestPointAndTheQuaternion) {
+  const Eigen::Vector3d arm(1.0, 2.0, -1.0);
+  Vector x(4), moved(4);
+  x << 0.0, 0.6, 0.8, 0.5;  // d = 0.9
+  const Eigen::Vector3d step(0.1, -0.2, 0.05);
+  ASSERT_TRUE(ClosestPointManifold(arm).Plus(x.data(), step.data(), moved.data()));
+  const double d = moved[3] + moved.head<3>().dot(arm);
+  EXPECT_LT((d * moved.head<3>() - Eigen::Vector3d(0.1, 0.34, 0.77)).norm(), 1e-12);
+  const UnitQuaternionManifold quaternion(0.5);
+  const Eigen::Vector3d half_turn(0.0, 0.0, EIGEN_PI / 2.0);  // q k, q = (0, 0.6, 0.8, 1) / sqrt 2
+  ASSERT_TRUE(quaternion.Plus(x.data(), half_turn.data(), moved.data()));
+  EXPECT_LT((moved.head<3>() - Eigen::Vector3d(0.6, 0.0, 1.0).normalized()).norm(), 1e-12);
 }
 
 TEST(Se3Manifold, TangentIsTheDecoupledLeftPerturbationInMetresAndRadians) {

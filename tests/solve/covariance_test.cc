@@ -48,7 +48,7 @@ Matrix6d CeresCovariance(const Graph& graph, const SolveOptions& options, int po
   }
   for (const Residual& residual : assembly.residuals()) {
     std::vector<double*> blocks;
-    for (int k = 0; k < residual.block_count; ++k) {
+    for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
       blocks.push_back(assembly.Block(residual.blocks[k]));
       if (residual.blocks[k].kind == BlockKind::kPlane) {
         problem.AddParameterBlock(blocks[k], kPlaneSize, &plane_manifold);
@@ -82,7 +82,9 @@ TEST_P(AgainstCeres, PoseCovariances) {
   EXPECT_EQ(covariance.Pose(0).norm(), 0.0);  // fixed
 }
 
-INSTANTIATE_TEST_SUITE_P(PlaneFactors, AgainstCeres, testing::Values("moments", "pose_pose"));
+INSTANTIATE_TEST_SUITE_P(PlaneFactors, AgainstCeres,
+                         testing::Values("moments", "pose_pose", "normal_offset", "closest_point",
+                                         "unit_quaternion"));
 
 TEST(GraphCovariance, PoseErrorsHaveTheStatedSize) {
   // Normalized estimation error squared over many worlds: chi-square with 6 degrees of freedom

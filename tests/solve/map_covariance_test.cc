@@ -47,9 +47,9 @@ Eigen::MatrixXd DenseInformation(const Graph& graph) {
     if (b.kind == BlockKind::kPlane) return first_plane + 3 * b.index;
     return b.kind == BlockKind::kMap ? 6 * poses + 7 * b.index : 6 * b.index;
   };
-  const auto add = [&](const auto& blocks, int count, const auto& jacobians) {
-    for (int a = 0; a < count; ++a) {
-      for (int b = 0; b < count; ++b) {
+  const auto add = [&](const auto& blocks, const auto& jacobians) {
+    for (std::size_t a = 0; a < blocks.size(); ++a) {
+      for (std::size_t b = 0; b < blocks.size(); ++b) {
         information.block(row_of(blocks[a]), row_of(blocks[b]), jacobians[a].cols(),
                           jacobians[b].cols()) += jacobians[a].transpose() * jacobians[b];
       }
@@ -57,9 +57,9 @@ Eigen::MatrixXd DenseInformation(const Graph& graph) {
   };
   const LinearizedGraph linear = LinearizeGraph(graph, {});
   for (const auto& plane : linear.planes) {
-    for (const auto& r : plane) add(r.blocks, r.block_count, r.linear.jacobians);
+    for (const auto& r : plane) add(r.blocks, r.linear.jacobians);
   }
-  for (const auto& f : linear.pose_factors) add(f.blocks, f.block_count, f.jacobians);
+  for (const auto& f : linear.pose_factors) add(f.blocks, f.jacobians);
   return information;
 }
 

@@ -100,7 +100,9 @@ TEST_P(EveryPlaneFactor, FindsScaleAndPlaceOfAMap) {
   EXPECT_LT((found.translation - kTruth.translation).norm(), 1e-6);
   EXPECT_LT((graph.poses[1].world_from_node.translation - pose.translation).norm(), 1e-6);
 }
-INSTANTIATE_TEST_SUITE_P(PlaneFactors, EveryPlaneFactor, testing::Values("moments", "pose_pose"));
+INSTANTIATE_TEST_SUITE_P(PlaneFactors, EveryPlaneFactor,
+                         testing::Values("moments", "pose_pose", "normal_offset", "closest_point",
+                                         "unit_quaternion", "eliminated"));
 
 TEST(MapNodes, TheSigmaOfTheScaleIsHonest) {
   double sum = 0.0;

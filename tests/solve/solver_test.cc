@@ -31,7 +31,9 @@ TEST_P(RecoversTruth, FromDisturbedPoses) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PlaneFactors, RecoversTruth, testing::Values("moments", "pose_pose"));
+INSTANTIATE_TEST_SUITE_P(PlaneFactors, RecoversTruth,
+                         testing::Values("moments", "pose_pose", "normal_offset", "eliminated",
+                                         "closest_point", "unit_quaternion"));
 
 TEST(Solve, AllLinearSolversFindTheSameMinimum) {
   PlaneWorld world({.noise = 1.0});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ceres/cost_function.h>
+#include <ceres/manifold.h>
 
 #include <functional>
 #include <map>
@@ -29,17 +30,17 @@ struct ResidualTag {
   int other_observation = -1;  ///< the second one of a pose-pose factor
   int pose_factor = -1;        ///< index in Graph::pose_factors
   int map_factor = -1;         ///< index in Graph::map_factors
+  int plane_factor = -1;       ///< index in Graph::plane_factors
 };
 
 /// Takes the residuals that a factor makes.
 class ResidualSink {
  public:
   virtual ~ResidualSink() = default;
-  /// Adds one whitened residual block over at most two parameter blocks. Its cost is
-  /// weight * rho(|r|^2) / 2.
-  virtual void Add(std::unique_ptr<ceres::CostFunction> cost,
-                   std::initializer_list<BlockRef> blocks, const ResidualTag& tag,
-                   double weight) = 0;
+  /// Adds one whitened residual block over different parameter blocks, in the order of the cost's.
+  /// Its cost is weight * rho(|r|^2) / 2.
+  virtual void Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef> blocks,
+                   const ResidualTag& tag, double weight) = 0;
 };
 
 /// Values of a factor's numeric parameters by name; absent: the default.
@@ -52,7 +53,8 @@ double OptionOr(const FactorOptions& options, const std::string& name, double fa
 struct FactorParameter {
   std::string name, unit, description;
   double default_value = 0.0;
-  bool is_field = false;  ///< read from the graph, not from FactorOptions
+  bool is_field = false;     ///< read from the graph, not from FactorOptions
+  bool is_positive = false;  ///< zero and less are refused
 };
 
 /// A cost function with a point to evaluate it at: for tests and benchmarks that know nothing of
@@ -63,10 +65,10 @@ struct FactorSample {
   std::vector<std::vector<double>> values;
 };
 
-/// kPlane: planes seen from poses. kMapPlane: planes seen in maps, beside a kPlane factor with the
-/// same plane_blocks. kPose, kMap: measurements of poses, of maps.
-enum class FactorKind { kPlane, kMapPlane, kPose, kMap };
-/// "plane", "map plane", "pose", "map".
+/// kPlane: planes seen from poses. kMapPlane: planes seen in maps, the counterpart of a kPlane
+/// factor. kPlanePair: what is known of two planes. kPose, kMap: measurements of poses, of maps.
+enum class FactorKind { kPlane, kMapPlane, kPlanePair, kPose, kMap };
+/// "plane", "map plane", "plane pair", "pose", "map".
 const char* ToString(FactorKind kind);
 
 /// A cost variant. It lives in one file factors/NAME.cc with a function Register_NAME.
@@ -77,6 +79,12 @@ struct FactorType {
   std::string residual;     ///< order, frame, units
   std::vector<FactorParameter> parameters;
   bool plane_blocks = false;  ///< the planes are unknowns of the problem
+  /// Plane kind: the kMapPlane factor for what maps see of the planes; its own name where it takes
+  /// poses and maps alike, empty where it has none.
+  std::string map_counterpart;
+  /// Plane kind: another factor of the same cost to linearize instead for covariances and for the
+  /// pose graph, where this one's residuals do not fall into observations. Empty: itself.
+  std::string linearized_as;
 
   /// Both plane kinds: adds the residuals of the observations of Graph::planes[index] that are the
   /// kind's.
@@ -85,13 +93,26 @@ struct FactorType {
       add_plane;
   /// Pose kind: the cost over the blocks of factor.poses, in that order.
   std::function<std::unique_ptr<ceres::CostFunction>(const PoseFactor& factor)> make_cost;
+  /// Plane kind: how steps are applied to a plane's block; null: PlaneManifold.
+  std::function<std::unique_ptr<ceres::Manifold>(const PlaneLandmark& plane,
+                                                 const FactorOptions& options)>
+      make_manifold;
+  /// Plane pair kind: the cost over the blocks of factor.planes, in that order.
+  std::function<std::unique_ptr<ceres::CostFunction>(const Graph& graph, const PlaneFactor& factor)>
+      make_pair_cost;
   /// Map kind: the cost over the blocks of factor.maps, in that order.
   std::function<std::unique_ptr<ceres::CostFunction>(const MapFactor& factor)> make_map_cost;
   /// All: a random cost and state, over the full range of scales and angles.
   std::function<FactorSample(std::mt19937_64* rng)> sample;
 
-  /// Throws UsageError for an option that the factor does not have.
+  /// Throws UsageError for an option that the factor does not have, or a value that it cannot take.
   void CheckOptions(const FactorOptions& options) const;
+};
+
+/// A factor's name with values of its numeric parameters.
+struct FactorChoice {
+  std::string name;
+  FactorOptions options;
 };
 
 /// The cost variants by name.
@@ -99,11 +120,15 @@ class FactorRegistry {
  public:
   /// Throws std::invalid_argument for a name that is taken.
   void Add(FactorType type);
-  /// Throws UsageError, with the names there are, for one that does not exist or is of the other
+  /// Throws UsageError, with the names there are, for one that does not exist or is of another
   /// kind.
   const FactorType& Get(const std::string& name, FactorKind kind) const;
-  /// The kMapPlane factor that goes with a plane factor. Throws UsageError where there is none.
-  const FactorType& MapPlaneFactorFor(const FactorType& plane_factor) const;
+  /// The factor that adds what maps see of the planes: the plane factor's counterpart, or null
+  /// where it does so itself. Throws UsageError where nothing does.
+  const FactorType* MapPlaneFactorFor(const FactorType& plane_factor) const;
+  /// Reads NAME or NAME:OPTION=VALUE[,OPTION=VALUE...]. Throws UsageError for what is not so, for
+  /// an unknown factor of that kind, or an option that it does not have.
+  FactorChoice Parse(const std::string& text, FactorKind kind) const;
   const std::map<std::string, FactorType>& types() const { return types_; }
 
  private:

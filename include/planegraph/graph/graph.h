@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,13 @@ struct PlaneObservation {
   double point_count = 0.0;                               ///< points of the segment
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();  ///< of their scatter, increasing, m^2
   int user_tag = -1;                                      ///< the caller's: segment, registration
+  /// Observations of one group (>= 0) are right or wrong together, say those of one registration:
+  /// graduated losses give them one weight, by the sum of their chi2 against the quantile for all
+  /// of their degrees of freedom. -1: each by itself.
+  int group = -1;
+  /// The points themselves (node's frame), for the reference factor `raw_points` alone; mostly
+  /// null.
+  std::shared_ptr<const std::vector<Eigen::Vector3d>> points;
 };
 
 /// A plane of the world: normal . (p - anchor) = offset. The anchor is a constant near the plane;
@@ -73,6 +82,7 @@ struct PoseFactor {
   Matrix6d information = Matrix6d::Identity();
   std::string source = "odometry";  ///< who measured it: odometry, icp, prior, ...
   bool robust = false;              ///< takes SolveOptions::pose_loss
+  int group = -1;                   ///< as PlaneObservation::group, among pose factors
   int user_tag = -1;
 };
 
@@ -94,11 +104,22 @@ struct MapFactor {
   bool robust = false;         ///< takes SolveOptions::pose_loss
 };
 
+/// What is known of two landmarks: `parallel`, `perpendicular` or `coplanar`.
+struct PlaneFactor {
+  std::string type = "parallel";
+  std::array<int, 2> planes = {0, 0};  ///< indices in Graph::planes
+  double sigma_angle = 0.01;           ///< radians
+  double sigma_offset = 0.01;          ///< metres, `coplanar` only
+  std::string source = "constraint";   ///< who says so
+  bool robust = false;                 ///< takes SolveOptions::plane_loss
+};
+
 /// Poses, drone maps, planes and what ties them.
 struct Graph {
   std::vector<PoseNode> poses;
   std::vector<MapNode> maps;
   std::vector<PlaneLandmark> planes;
+  std::vector<PlaneFactor> plane_factors;
   std::vector<PoseFactor> pose_factors;
   std::vector<MapFactor> map_factors;
 };

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/graph/gnc.h"
+
 namespace planegraph {
 
 /// A robust loss by name. The scale is in sigmas of the whitened residual's norm.
@@ -19,11 +21,33 @@ struct LossSpec {
 /// Reads NAME or NAME:SCALE. Throws UsageError for an unknown name or a scale that is not positive.
 LossSpec ParseLoss(const std::string& text);
 
-/// Null for "none".
+/// Null for "none" and for the graduated ones, which are no function of one residual.
 std::unique_ptr<ceres::LossFunction> MakeLoss(const LossSpec& spec);
 
-/// Names that ParseLoss takes: none, huber, soft_l1, cauchy, tukey, geman_mcclure, dcs.
+/// Names that ParseLoss takes: none, huber, soft_l1, cauchy, tukey, geman_mcclure, dcs, and by
+/// graduated non-convexity gnc_tls (truncated least squares) and gnc_gm (Geman-McClure).
 const std::vector<std::string>& LossNames();
+
+/// Whether the loss is reached by graduated non-convexity, in an outer loop around the solver.
+bool IsGraduated(const LossSpec& spec);
+/// The kernel of a graduated loss.
+GncKernel KernelOf(const LossSpec& spec);
+/// c^2 of a graduated loss for a residual of that many dimensions: the scale's square, or by
+/// default the 99 % quantile of chi-square.
+double GraduatedThreshold(const LossSpec& spec, int dimension);
+
+/// A weight that the outer loop sets: rho(s) = weight * s.
+class WeightLoss final : public ceres::LossFunction {
+ public:
+  explicit WeightLoss(double weight) : weight_(weight) {}
+  void Set(double weight) { weight_ = weight; }
+  void Evaluate(double s, double rho[3]) const override {
+    rho[0] = weight_ * s, rho[1] = weight_, rho[2] = 0.0;
+  }
+
+ private:
+  double weight_;
+};
 
 /// Geman-McClure: rho(s) = c^2 s / (c^2 + s).
 class GemanMcClureLoss final : public ceres::LossFunction {

@@ -21,6 +21,7 @@ using Progress = std::function<void(const std::string& stage, double done)>;
 struct MapOptions {
   std::string optimizer = "graph";  ///< graph, metascan, none
   std::string plane_factor = "moments";
+  FactorOptions plane_factor_options;
   LossSpec loss{"cauchy", 2.4};
   int threads = 0;
   SegmentationOptions segmentation;

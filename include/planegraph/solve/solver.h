@@ -10,14 +10,16 @@
 namespace planegraph {
 
 /// How the normal equations are solved. kAuto: planes are eliminated first; the reduced system of
-/// the poses is dense up to kDenseSchurPoses poses and sparse beyond.
+/// the poses is dense up to kDenseSchurPoses poses and sparse beyond. Where plane factors tie
+/// planes to each other it is always kSparseCholesky.
 enum class LinearSolver { kAuto, kDenseSchur, kSparseSchur, kSparseCholesky };
 
 struct SolveOptions {
   std::string plane_factor = "moments";  ///< a plane factor of the registry
   FactorOptions plane_factor_options;
-  LossSpec plane_loss;  ///< of every plane residual
-  LossSpec pose_loss;   ///< of the pose factors that are marked robust
+  /// Of every plane residual, and of the pose factors that are marked robust. Graduated ones
+  /// (gnc_tls, gnc_gm) are reached in an outer loop from the solution without loss.
+  LossSpec plane_loss, pose_loss;
   int max_iterations = 100;
   /// First radius of the trust region. Where weak priors alone (GPS of metres) hold a stiff graph,
   /// the default damps its motion as a whole a thousandfold; a large one lets it go at once.
@@ -44,6 +46,7 @@ struct SolveSummary {
       false;  ///< the graph holds a solution (converged, or the last step of the iterations)
   double initial_cost = 0.0, final_cost = 0.0;  ///< 0.5 * sum of weight * rho(|r|^2)
   int iterations = 0;
+  int graduated_steps = 0;    ///< of the outer loop, where a loss is graduated
   std::vector<double> costs;  ///< the start's, then of each step that was kept
   int residual_count = 0;     ///< scalar residuals
   int parameter_count = 0;    ///< tangent dimensions that are not fixed
