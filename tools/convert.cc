@@ -1,15 +1,21 @@
 #include "planegraph/io/convert.h"
 
+#include <gflags/gflags.h>
+
 #include <iostream>
 
 #include "tools/command.h"
+
+DEFINE_string(stamps, "",
+              "time stamps of poses whose file has none: a file whose k-th line begins with the "
+              "seconds of the k-th pose (to TUM)");
 
 namespace planegraph::tools {
 namespace {
 
 int RunConvert(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 2, 2);
-  const Conversion conversion = ConvertFile(arguments[0], arguments[1]);
+  const Conversion conversion = ConvertFile(arguments[0], arguments[1], {FLAGS_stamps});
   if (WantsText()) {
     const char* noun = conversion.kind == "cloud"        ? "points"
                        : conversion.kind == "trajectory" ? "poses"
@@ -27,8 +33,11 @@ int RunConvert(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command ConvertCommand() {
-  return {
-      "convert", "IN OUT", "clouds and trajectories from one format to another", {}, RunConvert};
+  return {"convert",
+          "IN OUT",
+          "clouds and trajectories from one format to another",
+          {"stamps"},
+          RunConvert};
 }
 
 }  // namespace planegraph::tools

@@ -90,6 +90,21 @@ void WriteVertices(const std::string& path, const Trajectory& trajectory) {
   WriteG2o(path, graph);
 }
 
+bool WritesTum(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  return !IsFolderName(path) && ending != ".kitti" && ending != ".g2o";
+}
+
+void SetTimes(const std::string& input, const std::string& stamps, Trajectory* trajectory) {
+  if (trajectory->has_times) throw InputError::InFile(input, "has time stamps of its own");
+  trajectory->times = ReadTimeStamps(stamps);
+  trajectory->has_times = true;
+  if (trajectory->times.size() == trajectory->poses.size()) return;
+  throw InputError::InFile(stamps, "has " + std::to_string(trajectory->times.size()) +
+                                       " time stamps for " +
+                                       std::to_string(trajectory->poses.size()) + " poses");
+}
+
 void WriteTrajectory(const std::string& path, const Trajectory& trajectory) {
   const std::string ending = EndingOf(path);
   if (IsFolderName(path)) {
@@ -105,19 +120,25 @@ void WriteTrajectory(const std::string& path, const Trajectory& trajectory) {
 
 }  // namespace
 
-Conversion ConvertFile(const std::string& input, const std::string& output) {
+Conversion ConvertFile(const std::string& input, const std::string& output,
+                       const ConvertOptions& options) {
   if (output.empty()) throw InputError::InFile(output, "an output without a name");
+  const bool cloud = KindOfOutput(input, output) == Kind::kCloud;
+  if (!options.stamps.empty() && (cloud || !WritesTum(output))) {
+    throw UsageError("time stamps (--stamps) are for trajectories written as TUM");
+  }
   if (EndingOf(input) == ".g2o" && EndingOf(output) == ".g2o") {
     const G2oGraph graph = ReadG2o(input);
     WriteG2o(output, graph);
     return {"graph", graph.vertices3.size() + graph.vertices2.size()};
   }
-  if (KindOfOutput(input, output) == Kind::kCloud) {
-    const Cloud cloud = ReadCloud(input);
-    WriteCloud(output, cloud);
-    return {"cloud", cloud.size()};
+  if (cloud) {
+    const Cloud points = ReadCloud(input);
+    WriteCloud(output, points);
+    return {"cloud", points.size()};
   }
-  const Trajectory trajectory = ReadTrajectory(input);
+  Trajectory trajectory = ReadTrajectory(input);
+  if (!options.stamps.empty()) SetTimes(input, options.stamps, &trajectory);
   WriteTrajectory(output, trajectory);
   return {"trajectory", trajectory.size()};
 }

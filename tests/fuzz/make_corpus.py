@@ -59,6 +59,8 @@ write("dtk_cloud", "header", "100 x 50\nscan\n100 200 300\n-1 2.5e1 +3\n")
 write("dtk_cloud", "reflectance", "1 2 3 4\n")
 
 write("trajectory", "tum", "# comment\n1305031102.160407 1 2 3 0 0 0 1\n2,1,2,3,0,0,1,0\n")
+write("time_stamps", "rawseeds", "1235603336.0099111\n1235603336.2083869")
+write("time_stamps", "csv", "# time, x\n1.5, 2\r\n\n1e9;3\n")
 write("trajectory", "kitti", "1 0 0 5 0 1 0 6 0 0 1 7\n")
 
 write("dtk_frames", "two", "1 0 0 0 0 1 0 0 0 0 1 0 9 9 9 1 1\n0 0 -1 0 0 1 0 0 1 0 0 0 100 200 300 1 2\n")

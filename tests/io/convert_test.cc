@@ -56,6 +56,44 @@ TEST_F(Convert, GraphsKeepTheirEdges) {
   EXPECT_EQ(ReadG2o(Path("b.g2o")).edges2.size(), 1u);
 }
 
+TEST_F(Convert, StampsAPoseGraph) {
+  Write("a.g2o", "VERTEX_SE2 7 1 2 0\nVERTEX_SE2 3 4 5 0\n");
+  Write("stamps.csv", "# seconds, whatever else\r\n1235603336.0099111, 8, x\r\n\n 1e9 ; 2");
+  const Conversion conversion = ConvertFile(Path("a.g2o"), Path("b.tum"), {Path("stamps.csv")});
+  EXPECT_EQ(conversion.kind, "trajectory");
+  const Trajectory t = ReadTrajectory(Path("b.tum"));
+  EXPECT_THAT(t.times, ::testing::ElementsAre(1235603336.0099111, 1e9));  // in the file's order
+  EXPECT_EQ(t.poses[0].translation, Eigen::Vector3d(1, 2, 0));
+  EXPECT_EQ(t.poses[1].translation, Eigen::Vector3d(4, 5, 0));
+}
+
+// A TUM file is a file of stamps itself: taken away by KITTI and given back nothing is lost.
+TEST_F(Convert, StampsComeBack) {
+  ConvertFile(Path("a.tum"), Path("b.kitti"));
+  ConvertFile(Path("b.kitti"), Path("c.tum"), {Path("a.tum")});
+  const Trajectory before = ReadTrajectory(Path("a.tum")), after = ReadTrajectory(Path("c.tum"));
+  EXPECT_EQ(before.times, after.times);
+  EXPECT_EQ(before.poses[1].translation, after.poses[1].translation);
+}
+
+TEST_F(Convert, WrongStampsAreSaid) {
+  Write("a.g2o", "VERTEX_SE2 0 1 2 0\nVERTEX_SE2 1 4 5 0\n");
+  Write("stamps.txt", "1.5\n2.5\n");
+  const ConvertOptions stamps{Path("stamps.txt")};
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.kitti"), stamps), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.g2o"), stamps), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("folder/"), stamps), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.ply"), stamps), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.tum"), Path("b.tum"), stamps), InputError);
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.tum"), {Path("none.txt")}), InputError);
+  for (const char* text :
+       {"1.5\n", "1.5\n2.5\n3.5\n", "", "1.5\nnan\n", "time\n1.5\n", "1.5\n,2"}) {
+    Write("stamps.txt", text);
+    EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.tum"), stamps), InputError) << text;
+  }
+  EXPECT_FALSE(std::filesystem::exists(Path("b.tum")));
+}
+
 TEST_F(Convert, WrongPairsAreInputErrors) {
   EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.tum")), InputError);
   EXPECT_THROW(ConvertFile(Path("a.tum"), Path("b.ply")), InputError);

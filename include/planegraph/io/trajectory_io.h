@@ -28,6 +28,11 @@ struct Trajectory {
 /// by the content. Throws InputError.
 Trajectory ReadTrajectory(const std::string& path);
 
+/// The times of poses whose own file has none (KITTI's times.txt, Rawseeds' lists): the first
+/// number of each line, seconds; further columns (separated by blanks, ',' or ';'), empty lines and
+/// lines that begin with '#' are passed over. Throws InputError, with the line.
+std::vector<double> ReadTimeStamps(const std::string& path);
+
 /// Writes TUM, full precision, atomically.
 void WriteTum(const std::string& path, const Trajectory& trajectory);
 
