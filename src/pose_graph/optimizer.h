@@ -47,9 +47,11 @@ class Optimizer {
         gradient_(graph->poses.size() * kSize, 1),
         scale_(graph->poses.size() * kSize, 1) {}
 
-  PoseGraphSummary Run() {
+  /// `damping`: of the first step; with that of the last run where the problem has hardly changed.
+  PoseGraphSummary Run(double damping = 0.0) {
     PoseGraphSummary summary;
-    damping_ = 0.0;
+    damping_ = damping;
+    growth_ = 2.0;
     near_ = options_.near_minimum;
     last_promised_ = 0.0;
     double cost = CostOf(graph_.poses);
@@ -61,6 +63,7 @@ class Optimizer {
     summary.final_cost = cost;
     return summary;
   }
+  double damping() const { return damping_; }
 
  private:
   // One step that lowers the cost, or none: false where no damping makes one.

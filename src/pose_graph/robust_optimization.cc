@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "pose_graph/optimizer.h"
 
@@ -13,8 +15,20 @@ namespace {
 // 26.8).
 constexpr double kChi2Of3 = 11.345, kChi2Of6 = 16.812;
 
-// The rounds before the last one only have to sort the edges.
+// The first truncated surrogates weigh loop closures next to nothing, so that the poses stay near
+// the others' minimum, and one step follows each change. Geman and McClure's first ones are almost
+// least squares over all edges: a far way, of which the rounds before the last only have to see
+// the end roughly.
+constexpr int kTruncatedSteps = 1;
 constexpr double kRoundTolerance = 1e-4;
+
+// Edges that were switched off are taken out of the equations, whose order of elimination is then
+// sought anew, as soon as they are this share of those that are left: false closures join distant
+// poses, and the fill that they cause is most of the work.
+constexpr double kSwitchedOff = 0.02;
+
+// The truncated cost falls with every change of the weights, so few changes are needed.
+constexpr int kMaxFinalSolves = 20;
 
 template <int Dim>
 class GncRun {
@@ -23,22 +37,24 @@ class GncRun {
       : graph_(*graph),
         options_(options),
         scale_(options.scale > 0.0 ? options.scale : std::sqrt(Dim == 3 ? kChi2Of6 : kChi2Of3)),
-        schedule_(options.kernel, scale_),
-        optimizer_((CheckIndices(*graph), graph), &solve_) {
+        schedule_(options.kernel, scale_) {
+    CheckIndices(*graph);
     summary_.weights.assign(graph->edges.size(), 1.0);
   }
 
   GncSummary Run() {
     const auto start = std::chrono::steady_clock::now();
-    Solve(kRoundTolerance);
+    const bool truncated = options_.kernel == GncKernel::kTruncated;
+    if (truncated) solve_.max_iterations = kTruncatedSteps;
+    solve_.tolerance = kRoundTolerance;
+    if (!truncated) Solve();
     schedule_.Start(RobustChi2());
     while (!schedule_.Finished() && summary_.rounds < options_.max_rounds) {
       SetWeights([this](double chi2) { return schedule_.Weight(chi2); });
-      Solve(kRoundTolerance);
+      Solve();
       schedule_.Advance(RobustChi2());
     }
-    SetWeights([this](double chi2) { return schedule_.FinalWeight(chi2); });
-    Solve(PoseGraphOptions().tolerance);
+    SolveFinally();
     summary_.robust_cost = RobustCost();
     summary_.last.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -62,14 +78,51 @@ class GncRun {
     }
   }
 
-  void Solve(double tolerance) {
-    solve_.weights = summary_.weights;
-    solve_.tolerance = tolerance;
+  // With the weights of the robust cost itself, until these stay (0 and 1 do, others hardly).
+  void SolveFinally() {
+    solve_.max_iterations = PoseGraphOptions().max_iterations;
+    solve_.tolerance = PoseGraphOptions().tolerance;
+    damping_ = 0.0;
+    const int most = options_.kernel == GncKernel::kTruncated ? kMaxFinalSolves : 1;
+    std::vector<double> before;
+    for (int k = 0; k < most && summary_.weights != before; ++k) {
+      SetWeights([this](double chi2) { return schedule_.FinalWeight(chi2); });
+      Solve();
+      before = summary_.weights;
+      SetWeights([this](double chi2) { return schedule_.FinalWeight(chi2); });
+    }
+  }
+
+  void Solve() {
+    TakeActiveEdges();
     const PoseGraphSummary before = summary_.last;
-    summary_.last = optimizer_.Run();
+    summary_.last = optimizer_->Run(damping_);
+    damping_ = optimizer_->damping();
+    graph_.poses = active_.poses;
     summary_.last.iterations += before.iterations;
     summary_.last.factorizations += before.factorizations;
     ++summary_.rounds;
+  }
+
+  // The edges with a weight, or those of the last round where few have lost theirs.
+  void TakeActiveEdges() {
+    std::vector<std::size_t> weighted;
+    for (std::size_t k = 0; k < graph_.edges.size(); ++k) {
+      if (summary_.weights[k] > 0.0) weighted.push_back(k);
+    }
+    const double least = (1.0 - kSwitchedOff) * static_cast<double>(active_edges_.size());
+    const bool contained =
+        std::includes(active_edges_.begin(), active_edges_.end(), weighted.begin(), weighted.end());
+    if (!contained || static_cast<double>(weighted.size()) < least) Activate(std::move(weighted));
+    solve_.weights.clear();
+    for (const std::size_t k : active_edges_) solve_.weights.push_back(summary_.weights[k]);
+  }
+
+  void Activate(std::vector<std::size_t> edges) {
+    active_edges_ = std::move(edges);
+    active_ = {graph_.poses, graph_.fixed, {}, graph_.rotation_residual};
+    for (const std::size_t k : active_edges_) active_.edges.push_back(graph_.edges[k]);
+    optimizer_.emplace(&active_, &solve_);
   }
 
   double RobustCost() const {
@@ -92,8 +145,11 @@ class GncRun {
   const GncOptions& options_;
   double scale_;
   GncSchedule schedule_;
+  PoseGraph<Dim> active_;
+  std::vector<std::size_t> active_edges_;  // their indices in graph_, increasing
   PoseGraphOptions solve_;
-  Optimizer<Dim> optimizer_;
+  std::optional<Optimizer<Dim>> optimizer_;
+  double damping_ = 0.0;
   GncSummary summary_;
 };
 
