@@ -1,8 +1,10 @@
 #include "planegraph/pipeline/front_end.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <stdexcept>
 
 #include "planegraph/base/error.h"
@@ -59,6 +61,16 @@ LoadedScan LoadScan(const RobotSite& robot, std::size_t index) {
   scan.cloud = Filter(robot, DropSaturatedReturns(std::move(scan.cloud)));
   scan.seconds_preprocess = watch.Lap();
   return scan;
+}
+
+std::vector<std::size_t> OrderAlongWay(const RobotSite& robot) {
+  std::vector<std::size_t> order(robot.scans.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (!robot.odometry || !robot.odometry->has_times) return order;
+  const std::vector<double>& times = robot.odometry->times;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return times[a] < times[b]; });
+  return order;
 }
 
 ScanRecord PrepareScan(const Site& site, std::size_t robot_index, std::size_t index,

@@ -94,7 +94,7 @@ void AddStarts(const JointProblem& problem, Graph* graph) {
   for (std::size_t i = 0; i < problem.scans->size(); ++i) {
     const ScanRecord& scan = (*problem.scans)[i];
     const auto& start = problem.site->robots[scan.robot].start;
-    if (scan.index != 0 || !start || graph->poses[i].fixed) continue;
+    if (!IsFirstOfRobot(*problem.scans, i) || !start || graph->poses[i].fixed) continue;
     Matrix6d information = Matrix6d::Zero();
     information.diagonal().head<3>().setConstant(std::pow(start->sigma_translation, -2));
     information.diagonal().tail<3>().setConstant(std::pow(start->sigma_rotation, -2));

@@ -262,7 +262,7 @@ std::vector<Rigid3> ChainPoses(const Site& site, const std::vector<ScanRecord>& 
   std::vector<Rigid3> poses(scans.size());
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const RobotSite& robot = site.robots[scans[i].robot];
-    if (scans[i].index == 0) {
+    if (IsFirstOfRobot(scans, i)) {
       if (robot.start) poses[i] = robot.start->world_from_scan;
       continue;
     }

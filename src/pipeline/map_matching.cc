@@ -85,7 +85,7 @@ std::optional<MapPrior::Pose> Placer::StartPrior(const Group& group) const {
   for (std::size_t k = 0; k < group.scans.size(); ++k) {
     const ScanRecord& scan = problem_.scans[group.scans[k]];
     const auto& start = problem_.site.robots[scan.robot].start;
-    if (scan.index != 0 || !start) continue;
+    if (!IsFirstOfRobot(problem_.scans, group.scans[k]) || !start) continue;
     return MapPrior::Pose{start->world_from_scan * group.group.group_from_scan[k].Inverse(),
                           start->sigma_translation, start->sigma_rotation};
   }

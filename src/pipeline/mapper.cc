@@ -28,7 +28,7 @@ class Lap {
 std::vector<ScanRecord> PrepareScans(const Site& site, const MapOptions& options) {
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t r = 0; r < site.robots.size(); ++r) {
-    for (std::size_t i = 0; i < site.robots[r].scans.size(); ++i) jobs.push_back({r, i});
+    for (const std::size_t i : OrderAlongWay(site.robots[r])) jobs.push_back({r, i});
   }
   std::vector<ScanRecord> scans(jobs.size());
   std::atomic<std::size_t> done{0};
@@ -228,6 +228,17 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     ComputeUncertainty(result.pairs, options, &result);
   }
   return result;
+}
+
+std::vector<std::size_t> ScansInFileOrder(const MapResult& result, std::size_t robot) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    if (result.scans[i].robot == robot) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return result.scans[a].index < result.scans[b].index;
+  });
+  return order;
 }
 
 }  // namespace planegraph

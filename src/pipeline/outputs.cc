@@ -25,8 +25,7 @@ void WriteTrajectories(const MapResult& result, const std::string& folder) {
     const std::string& robot = result.site.robots[r].name;
     CreateFolder(folder + "/frames/" + robot);
     Trajectory trajectory;
-    for (std::size_t i = 0; i < result.scans.size(); ++i) {
-      if (result.scans[i].robot != r) continue;
+    for (const std::size_t i : ScansInFileOrder(result, r)) {
       trajectory.times.push_back(result.scans[i].time);
       trajectory.poses.push_back(result.solution.world_from_scan[i]);
       Write3dtkFrames(

@@ -230,8 +230,7 @@ Json ErrorsJson(const PoseErrors& errors) {
 Trajectory EstimateOf(const MapResult& result, std::size_t robot, bool has_times) {
   Trajectory trajectory;
   trajectory.has_times = has_times;
-  for (std::size_t i = 0; i < result.scans.size(); ++i) {
-    if (result.scans[i].robot != robot) continue;
+  for (const std::size_t i : ScansInFileOrder(result, robot)) {
     trajectory.times.push_back(result.scans[i].time);
     trajectory.poses.push_back(result.solution.world_from_scan[i]);
   }

@@ -20,6 +20,16 @@ struct ScanRecord {
   double seconds_read = 0, seconds_preprocess = 0, seconds_segment = 0;
 };
 
+/// Whether a scan is the first of its robot's way; `scans` hold robot after robot, each in the
+/// order of its time stamps.
+inline bool IsFirstOfRobot(const std::vector<ScanRecord>& scans, std::size_t i) {
+  return i == 0 || scans[i - 1].robot != scans[i].robot;
+}
+
+/// Indices of a robot's scans in the order of their time stamps, where its odometry has some: the
+/// order of their files then has no influence on the result. Else the files' order is the way's.
+std::vector<std::size_t> OrderAlongWay(const RobotSite& robot);
+
 /// A scan's points as every later step sees them: read and filtered, the same each time.
 struct LoadedScan {
   Cloud cloud;

@@ -73,4 +73,8 @@ struct MapResult {
 /// place of the metascan. Throws InputError, UsageError.
 MapResult MapScans(const Site& site, const MapOptions& options);
 
+/// A robot's scans as indices into MapResult::scans (which are in the order of time), in the order
+/// of its files: line k of a trajectory belongs to file k.
+std::vector<std::size_t> ScansInFileOrder(const MapResult& result, std::size_t robot);
+
 }  // namespace planegraph
