@@ -5,57 +5,18 @@
 //
 // with R the rotation of world_from_map, u the direction upwards in the map's frame, z that
 // in the world (unit vectors). Small tilts are radians; the heading is free.
-#include <ceres/sized_cost_function.h>
-
-#include "factors/square_root.h"
-#include "planegraph/geometry/rotation.h"
-#include "planegraph/graph/factor_registry.h"
-#include "planegraph/graph/factor_sampling.h"
-#include "planegraph/graph/manifolds.h"
+#include "factors/node_vectors.h"
 
 namespace planegraph {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-class MapGravityCost final : public ceres::SizedCostFunction<3, kMapSize> {
- public:
-  explicit MapGravityCost(const MapFactor& factor)
-      : up_(factor.point),
-        up_in_world_(factor.position),
-        root_(SquareRoot(factor.information.block<3, 3>(3, 3))) {}
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const MapView node(blocks[0]);
-    const Vector3d turned = node.rotation * up_;
-    Eigen::Map<Vector3d>(residuals, 3) = root_ * (turned - up_in_world_);
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const Matrix3d by_rotation = -root_ * Hat(turned);
-    const Vector3d zero = Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      node.SetRow(zero, by_rotation.row(k), 0.0, jacobians[0] + 8 * k);
-    }
-    return true;
-  }
-
- private:
-  Vector3d up_, up_in_world_;
-  Matrix3d root_;
-};
+using Cost = DirectionCost<MapView>;
 
 FactorSample Sample(std::mt19937_64* rng) {
   FactorSampler sampler(rng);
-  MapFactor factor;
-  factor.point = sampler.UnitVector();
-  factor.position = sampler.UnitVector();
-  factor.information.block<3, 3>(3, 3) =
-      sampler.Information().topLeftCorner<3, 3>() + Matrix3d::Identity();
-  FactorSample sample;
-  sample.cost = std::make_unique<MapGravityCost>(factor);
-  sample.kinds = {BlockKind::kMap};
-  sample.values = {FactorSampler::Block(sampler.Map())};
-  return sample;
+  const Eigen::Vector3d in_node = sampler.UnitVector(), in_world = sampler.UnitVector();
+  return NodeSample<MapView>(
+      std::make_unique<Cost>(in_node, in_world, SampleInformation3(&sampler)), &sampler);
 }
 
 }  // namespace
@@ -71,7 +32,8 @@ void Register_map_gravity(FactorRegistry* registry) {
                      {"position", "-", "unit vector upwards in the world", 0.0, true},
                      {"information", "1/rad^2", "3x3 of the rotation, world's axes", 0.0, true}};
   type.make_map_cost = [](const MapFactor& factor) {
-    return std::make_unique<MapGravityCost>(factor);
+    return std::make_unique<Cost>(factor.point, factor.position,
+                                  factor.information.block<3, 3>(3, 3));
   };
   type.sample = Sample;
   registry->Add(std::move(type));

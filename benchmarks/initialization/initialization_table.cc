@@ -18,6 +18,7 @@
 #include "planegraph/solve/association.h"
 #include "planegraph/solve/joint_initialization.h"
 #include "planegraph/solve/solver.h"
+#include "solve/mismatched_graph.h"
 #include "thread_seconds.h"
 
 namespace planegraph {
@@ -59,38 +60,12 @@ KnownSite MakeSite(SceneKind scene, std::uint64_t seed) {
   return known;
 }
 
-// A share of each scan's observations changes places among themselves.
-void Mismatch(double share, std::mt19937_64* rng, Graph* graph) {
-  for (int pose = 0; pose < static_cast<int>(graph->poses.size()); ++pose) {
-    std::vector<PlaneObservation*> wrong;
-    for (PlaneLandmark& plane : graph->planes) {
-      for (PlaneObservation& seen : plane.observations) {
-        if (seen.pose == pose && static_cast<double>((*rng)() >> 11) * 0x1p-53 < share) {
-          wrong.push_back(&seen);
-        }
-      }
-    }
-    for (std::size_t i = wrong.size(); i > 1; --i) std::swap(*wrong[i - 1], *wrong[(*rng)() % i]);
-  }
-}
-
-void SetPoses(const std::vector<Rigid3>& poses, Graph* graph) {
-  for (std::size_t i = 0; i < poses.size(); ++i) graph->poses[i].world_from_node = poses[i];
+// Planes as the poses have them.
+void FitPlanes(Graph* graph) {
   for (PlaneLandmark& plane : graph->planes) {
     plane = MakePlaneLandmark(*graph, plane.observations);
     FitLandmark(*graph, &plane);
   }
-}
-
-std::vector<Rigid3> RandomPoses(std::size_t count, std::mt19937_64* rng) {
-  std::normal_distribution<double> normal;
-  std::vector<Rigid3> poses(count);
-  for (std::size_t i = 1; i < count; ++i) {
-    const Eigen::Vector4d q(normal(*rng), normal(*rng), normal(*rng), normal(*rng));
-    const Eigen::Vector3d t(normal(*rng), normal(*rng), normal(*rng));
-    poses[i] = {Eigen::Quaterniond(q.normalized()), 30.0 * t};
-  }
-  return poses;
 }
 
 bool IsFound(const Graph& graph, const std::vector<Rigid3>& truth) {
@@ -119,10 +94,13 @@ struct Counts {
 void Try(const KnownSite& site, double share, std::uint64_t seed, Counts* counts) {
   std::mt19937_64 rng(seed);
   Graph graph = site.graph;
-  Mismatch(share, &rng, &graph);
+  MismatchObservations(share, &rng, &graph);
   Graph from_odometry = graph;
-  SetPoses(site.odometry, &from_odometry);
-  SetPoses(RandomPoses(site.truth.size(), &rng), &graph);
+  for (std::size_t i = 0; i < site.odometry.size(); ++i) {
+    from_odometry.poses[i].world_from_node = site.odometry[i];
+  }
+  FitPlanes(&from_odometry);
+  ScatterPoses(30.0, &rng, &graph);
   const double start = ThreadSeconds();
   InitializeJointly(&graph);
   counts->seconds.push_back(ThreadSeconds() - start);

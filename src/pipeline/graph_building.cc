@@ -127,10 +127,9 @@ void AddRobotPositions(const JointProblem& problem, const std::set<int>& held,
   }
 }
 
-// The world's vertical: of the east-north-up frame z; of a first scan's frame what the scans say
-// under their present poses, whose errors average out.
-Eigen::Vector3d UpInWorld(const JointProblem& problem, const Graph& graph, bool on_earth) {
-  if (on_earth) return Eigen::Vector3d::UnitZ();
+// The vertical in a first scan's frame: what the scans say under their present poses, whose errors
+// average out.
+Eigen::Vector3d UpAsSeen(const JointProblem& problem, const Graph& graph) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < problem.scans->size(); ++i) {
     const auto& gravity = problem.site->robots[(*problem.scans)[i].robot].gravity;
@@ -139,8 +138,11 @@ Eigen::Vector3d UpInWorld(const JointProblem& problem, const Graph& graph, bool 
   return up.norm() > 1e-6 ? Eigen::Vector3d(up.normalized()) : Eigen::Vector3d::UnitZ();
 }
 
+// Where GPS holds a component, the world is the east-north-up frame.
 void AddGravity(const JointProblem& problem, const std::set<int>& held,
                 const std::vector<int>& component, Graph* graph) {
+  const Eigen::Vector3d on_earth = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d as_seen = UpAsSeen(problem, *graph);
   for (std::size_t i = 0; i < problem.scans->size(); ++i) {
     const auto& gravity = problem.site->robots[(*problem.scans)[i].robot].gravity;
     if (!gravity || graph->poses[i].fixed) continue;
@@ -148,7 +150,7 @@ void AddGravity(const JointProblem& problem, const std::set<int>& held,
     factor.type = "gravity";
     factor.poses = {static_cast<int>(i)};
     factor.point = gravity->up;
-    factor.measurement.translation = UpInWorld(problem, *graph, held.count(component[i]) > 0);
+    factor.measurement.translation = held.count(component[i]) > 0 ? on_earth : as_seen;
     factor.information.setZero();
     factor.information.diagonal().tail<3>().setConstant(std::pow(gravity->sigma, -2));
     factor.source = "gravity";

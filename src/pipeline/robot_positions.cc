@@ -6,6 +6,7 @@
 
 #include "planegraph/base/median.h"
 #include "planegraph/io/gps_io.h"
+#include "registration/fix_track.h"
 
 namespace planegraph {
 namespace {
@@ -13,45 +14,17 @@ namespace {
 constexpr double kMaxGap = 5.0, kNearest = 1.0;  // seconds
 constexpr double kCorrelationTime = 40.0;        // seconds, of a receiver's errors
 
-struct Fix {
-  double time;
-  Eigen::Vector3d position;
-};
-
 const MapRecord* PlacedMapOf(const std::vector<MapRecord>& maps) {
   const auto found = std::find_if(maps.begin(), maps.end(),
                                   [](const MapRecord& map) { return map.has_position(); });
   return found == maps.end() ? nullptr : &*found;
 }
 
-std::vector<Fix> FixesInWorld(const GpsTrack& track,
-                              const std::optional<GeodeticPosition>& origin) {
-  std::vector<Fix> fixes;
-  for (const GpsFix& fix : track.fixes) {
-    fixes.push_back(
-        {fix.time, fix.geodetic ? LocalFrame(*origin).ToLocal(*fix.geodetic) : fix.metric});
-  }
-  std::stable_sort(fixes.begin(), fixes.end(),
-                   [](const Fix& a, const Fix& b) { return a.time < b.time; });
-  return fixes;
-}
-
-std::optional<Eigen::Vector3d> PositionAt(const std::vector<Fix>& fixes, double time) {
-  const auto next = std::lower_bound(fixes.begin(), fixes.end(), time,
-                                     [](const Fix& fix, double t) { return fix.time < t; });
-  if (next != fixes.end() && next != fixes.begin()) {
-    const Fix& last = *std::prev(next);
-    const double gap = next->time - last.time;
-    if (gap > 0.0 && gap <= kMaxGap) {
-      const double share = (time - last.time) / gap;
-      return (1.0 - share) * last.position + share * next->position;
-    }
-  }
-  if (next != fixes.end() && next->time - time <= kNearest) return next->position;
-  if (next != fixes.begin() && time - std::prev(next)->time <= kNearest) {
-    return std::prev(next)->position;
-  }
-  return {};
+std::optional<Eigen::Vector3d> PositionAt(const FixTrack& track, double time) {
+  if (const auto moving = track.Interpolate(time, kMaxGap)) return moving->position;
+  const FixTrack::Fix* nearest = track.Nearest(time);
+  if (nearest == nullptr || std::abs(nearest->time - time) > kNearest) return {};
+  return nearest->in_world;
 }
 
 // Of a first-order Gauss-Markov process that is sampled so often, in the mean of many.
@@ -62,15 +35,19 @@ double Inflation(const std::vector<double>& times) {
   return std::min((1.0 + kept) / (1.0 - kept), std::max(1.0, 1.0 * times.size()));
 }
 
-void AddRobot(const Site& site, std::size_t robot, const std::vector<Fix>& fixes,
+void AddRobot(const Site& site, std::size_t robot, const FixTrack& track,
               const std::vector<ScanRecord>& scans, std::vector<RobotPosition>* positions) {
   const RobotSite& source = site.robots[robot];
+  const std::vector<double>& all = source.odometry->times;
+  if (all.empty()) return;
+  const auto ends = std::minmax_element(all.begin(), all.end());
+  const double day_shift = track.DayShift(*ends.first, *ends.second);
   std::vector<double> times;
   const std::size_t first = positions->size();
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i].robot != robot) continue;
     const double time = source.odometry->times[scans[i].index];
-    const auto position = PositionAt(fixes, time);
+    const auto position = PositionAt(track, time + day_shift);
     if (!position) continue;
     positions->push_back({i, source.gps->lever, *position, source.gps->sigma, 1.0});
     times.push_back(time);
@@ -96,7 +73,7 @@ std::vector<RobotPosition> ReadRobotPositions(const Site& site,
       continue;
     }
     const std::size_t before = positions.size();
-    AddRobot(site, r, FixesInWorld(track, map->georeference->origin), scans, &positions);
+    AddRobot(site, r, FixTrack(track, map->georeference->origin), scans, &positions);
     if (positions.size() == before) {
       warnings->push_back(robot.name + ": no fix of its GPS is near the time of a scan");
     }

@@ -20,8 +20,11 @@ class YamlReader {
       : YamlReader(path, std::filesystem::path(path).parent_path()) {}
 
  protected:
+  static std::size_t Line(const YAML::Node& node) {
+    return static_cast<std::size_t>(node.Mark().line + 1);
+  }
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& reason) const {
-    throw InputError::AtLine(path_, static_cast<std::size_t>(node.Mark().line + 1), reason);
+    throw InputError::AtLine(path_, Line(node), reason);
   }
   /// The file's root.
   YAML::Node Load() const;

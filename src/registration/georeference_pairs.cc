@@ -10,8 +10,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kDay = 86400.0;
-
 std::string BaseName(const std::string& path) { return path.substr(path.find_last_of("/\\") + 1); }
 
 std::string Lower(std::string text) {
@@ -107,31 +105,13 @@ void CameraPairing::AddFixes() {
     origin_ = options_.origin;
     if (!origin_ && !track_.fixes.empty()) origin_ = track_.fixes.front().geodetic;
   }
-  const LocalFrame frame(origin_.value_or(GeodeticPosition{}));
-  has_times_ = true;
-  for (const GpsFix& fix : track_.fixes) {
-    const Eigen::Vector3d in_world = fix.geodetic ? frame.ToLocal(*fix.geodetic) : fix.metric;
-    fixes_.push_back({fix.time, in_world, fix.image});
-    has_times_ = has_times_ && std::isfinite(fix.time);
-  }
-  if (!by_time()) return;
-  std::stable_sort(fixes_.begin(), fixes_.end(),
-                   [](const Fix& a, const Fix& b) { return a.time < b.time; });
-  const auto same = [](const Fix& a, const Fix& b) { return a.time == b.time; };
-  fixes_.erase(std::unique(fixes_.begin(), fixes_.end(), same), fixes_.end());
+  track_in_world_ = FixTrack(track_, origin_);
 }
 
-// Seconds of the day against seconds since 1970: whole days apart.
 void CameraPairing::FindDayShift() {
-  if (fixes_.empty() || camera_times_.empty()) return;
+  if (camera_times_.empty()) return;
   const auto ends = std::minmax_element(camera_times_.begin(), camera_times_.end());
-  const double first = *ends.first, last = *ends.second;
-  const auto overlap = [&](double shift) {
-    return first + shift <= fixes_.back().time && last + shift >= fixes_.front().time;
-  };
-  const double middle = 0.5 * (fixes_.front().time + fixes_.back().time - first - last);
-  const double shift = kDay * std::round(middle / kDay);
-  if (!overlap(0.0) && overlap(shift)) day_shift_ = shift;
+  day_shift_ = track_in_world_.DayShift(*ends.first, *ends.second);
 }
 
 PositionPair CameraPairing::PairOf(std::size_t camera) const {
@@ -142,23 +122,17 @@ PositionPair CameraPairing::PairOf(std::size_t camera) const {
 }
 
 bool CameraPairing::Interpolate(double time, PositionPair* pair) const {
-  const auto next = std::lower_bound(fixes_.begin(), fixes_.end(), time,
-                                     [](const Fix& fix, double t) { return fix.time < t; });
-  if (next == fixes_.end()) return false;
+  const auto moving = track_in_world_.Interpolate(time, options_.max_gap);
+  if (!moving) return false;
   pair->time = time;
-  const auto& after = *next;
-  const auto& before = next == fixes_.begin() ? after : *std::prev(next);
-  const double gap = after.time - before.time;
-  const bool within = gap > 0.0 && gap <= options_.max_gap;
-  pair->velocity = Eigen::Vector3d::Zero();
-  if (within) pair->velocity = (after.in_world - before.in_world) / gap;
-  pair->in_world = after.in_world - (after.time - time) * pair->velocity;
-  return within || after.time == time;
+  pair->in_world = moving->position;
+  pair->velocity = moving->velocity;
+  return true;
 }
 
 std::vector<PositionPair> CameraPairing::PairsByImage() const {
   std::vector<std::string> names;
-  for (const Fix& fix : fixes_) names.push_back(fix.image);
+  for (const FixTrack::Fix& fix : track_in_world_.fixes()) names.push_back(fix.image);
   const NameIndex index(names);
   std::vector<PositionPair> pairs;
   std::vector<std::pair<std::string, std::size_t>> order;
@@ -167,11 +141,11 @@ std::vector<PositionPair> CameraPairing::PairsByImage() const {
     if (!model_.cameras[i].valid || !fix) continue;
     order.emplace_back(camera_names_[i], pairs.size());
     pairs.push_back(PairOf(i));
-    pairs.back().in_world = fixes_[*fix].in_world;
-    pairs.back().time = fixes_[*fix].time;
+    pairs.back().in_world = track_in_world_.fixes()[*fix].in_world;
+    pairs.back().time = track_in_world_.fixes()[*fix].time;
   }
   std::sort(order.begin(), order.end());
-  for (std::size_t place = 0; place < order.size() && !has_times_; ++place) {
+  for (std::size_t place = 0; place < order.size() && !has_times(); ++place) {
     pairs[order[place].second].time = static_cast<double>(place);
   }
   return pairs;
@@ -196,14 +170,11 @@ std::vector<PositionPair> CameraPairing::Pairs(double time_offset) const {
 std::vector<PositionPair> CameraPairing::NearestPairs() const {
   if (!by_time()) return Pairs(0.0);
   std::vector<PositionPair> pairs;
-  for (std::size_t i = 0; i < model_.cameras.size() && !fixes_.empty(); ++i) {
+  for (std::size_t i = 0; i < model_.cameras.size() && !track_in_world_.fixes().empty(); ++i) {
     if (!model_.cameras[i].valid) continue;
     PositionPair pair = PairOf(i);
     pair.time = camera_times_[i] + day_shift_;
-    const auto nearer = [&](const Fix& a, const Fix& b) {
-      return std::abs(a.time - pair.time) < std::abs(b.time - pair.time);
-    };
-    pair.in_world = std::min_element(fixes_.begin(), fixes_.end(), nearer)->in_world;
+    pair.in_world = track_in_world_.Nearest(pair.time)->in_world;
     pairs.push_back(pair);
   }
   std::sort(pairs.begin(), pairs.end(), Earlier);

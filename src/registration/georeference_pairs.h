@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planegraph/registration/georeference.h"
+#include "registration/fix_track.h"
 
 namespace planegraph {
 
@@ -27,7 +28,7 @@ class CameraPairing {
   const std::optional<GeodeticPosition>& origin() const { return origin_; }
   bool by_time() const { return !track_.by_image; }
   /// Times of the pairs are seconds (else places in an order).
-  bool has_times() const { return has_times_; }
+  bool has_times() const { return track_in_world_.has_times(); }
   /// Whole days between the clocks, where the times would not overlap otherwise, seconds.
   double day_shift() const { return day_shift_; }
   std::size_t valid_cameras() const;
@@ -38,12 +39,6 @@ class CameraPairing {
   std::vector<PositionPair> NearestPairs() const;
 
  private:
-  struct Fix {
-    double time = 0.0;
-    Eigen::Vector3d in_world = Eigen::Vector3d::Zero();
-    std::string image;
-  };
-
   void ReadTimes(const std::optional<ImageTimes>& times);
   void AddFixes();
   void FindDayShift();
@@ -55,10 +50,9 @@ class CameraPairing {
   const GpsTrack& track_;
   GeoreferenceOptions options_;
   std::optional<GeodeticPosition> origin_;
-  std::vector<Fix> fixes_;            ///< ascending in time, or in the order of the track
+  FixTrack track_in_world_;
   std::vector<double> camera_times_;  ///< one per camera, by time alone
   std::vector<std::string> camera_names_;
-  bool has_times_ = false;
   double day_shift_ = 0.0;
 };
 

@@ -18,10 +18,10 @@ namespace {
 constexpr double kSure = -2.0;
 // At the end what is left is placed by its best guess, if that has any lead.
 constexpr double kGuess = -1e-3;
-// The tree hands on the errors of single pairs; each joint solve takes most of them away.
+// A join has the error of its two parts' planes; each joint solve takes most of it away.
 constexpr std::array<double, 3> kWidenings = {2.0, 1.0, 1.0};
 
-struct TreeEdge {
+struct PartMotion {
   int target, source;
   Sim3 target_from_source;
 };
@@ -107,7 +107,7 @@ class Initializer {
   }
 
   struct Proposal {
-    TreeEdge edge;
+    PartMotion motion;
     double log10_chance;
     double widening;
   };
@@ -154,23 +154,23 @@ class Initializer {
     }
     if (!surest) return false;
     least_sure_ = std::max(least_sure_, surest->log10_chance);
-    JoinParts(TreeEdge(surest->edge));
+    JoinParts(PartMotion(surest->motion));
     return true;
   }
 
-  void JoinParts(const TreeEdge& edge) {
-    const int joined = std::min(edge.target, edge.source);
+  void JoinParts(const PartMotion& motion) {
+    const int joined = std::min(motion.target, motion.source);
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (component_[i] == edge.source) {
-        nodes_[i].world_from_node = edge.target_from_source * nodes_[i].world_from_node;
+      if (component_[i] == motion.source) {
+        nodes_[i].world_from_node = motion.target_from_source * nodes_[i].world_from_node;
         nodes_[i].fixed = false;
       }
-      if (component_[i] == edge.source || component_[i] == edge.target) component_[i] = joined;
+      if (component_[i] == motion.source || component_[i] == motion.target) component_[i] = joined;
     }
     std::erase_if(proposals_, [&](const auto& entry) {
       const auto& [target, source] = entry.first;
-      return target == edge.target || target == edge.source || source == edge.target ||
-             source == edge.source;
+      return target == motion.target || target == motion.source || source == motion.target ||
+             source == motion.source;
     });
   }
 
@@ -179,23 +179,23 @@ class Initializer {
     bool joined = false;
     for (const PoseFactor& factor : graph_.pose_factors) {
       if (factor.type != "relative_pose" || factor.robust) continue;
-      TreeEdge edge{factor.poses[0], factor.poses[1], Sim3(factor.measurement)};
-      if (component_[edge.target] == component_[edge.source]) continue;
-      if (!MayMove(component_[edge.source])) {
-        edge = {edge.source, edge.target, edge.target_from_source.Inverse()};
+      PartMotion motion{factor.poses[0], factor.poses[1], Sim3(factor.measurement)};
+      if (component_[motion.target] == component_[motion.source]) continue;
+      if (!MayMove(component_[motion.source])) {
+        motion = {motion.source, motion.target, motion.target_from_source.Inverse()};
       }
-      if (!MayMove(component_[edge.source])) continue;
-      JoinParts(BetweenParts(edge));
+      if (!MayMove(component_[motion.source])) continue;
+      JoinParts(BetweenParts(motion));
       joined = true;
     }
     return joined;
   }
 
   // The motion of the source's whole part that brings the two nodes into their relation.
-  TreeEdge BetweenParts(const TreeEdge& edge) const {
-    return {component_[edge.target], component_[edge.source],
-            nodes_[edge.target].world_from_node * edge.target_from_source *
-                nodes_[edge.source].world_from_node.Inverse()};
+  PartMotion BetweenParts(const PartMotion& motion) const {
+    return {component_[motion.target], component_[motion.source],
+            nodes_[motion.target].world_from_node * motion.target_from_source *
+                nodes_[motion.source].world_from_node.Inverse()};
   }
 
   // --- the landmarks' observations that agree ---

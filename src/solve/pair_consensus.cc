@@ -9,6 +9,7 @@
 #include <random>
 
 #include "planegraph/geometry/rotation.h"
+#include "planegraph/registration/closed_form.h"
 
 namespace planegraph {
 namespace {
@@ -38,10 +39,22 @@ struct TriedPose {
   std::vector<int> agreeing;  // increasing
 };
 
+// Half of the tilt's variance to each of the two planes.
+PlaneMatch MakeMatch(const SharedLandmark& s) {
+  const double variance = 0.5 * s.tilt_sigma * s.tilt_sigma;
+  const auto fitted = [&](const Vector3d& normal, const Vector3d& centroid) {
+    const Matrix3d tangent = Matrix3d::Identity() - normal * normal.transpose();
+    return FittedPlane{normal, centroid, variance * tangent, 0.5 * s.offset_sigma * s.offset_sigma};
+  };
+  return {fitted(s.target_normal, s.target_centroid), fitted(s.source_normal, s.source_centroid)};
+}
+
 class ConsensusSearch {
  public:
   ConsensusSearch(const std::vector<SharedLandmark>& shared, const PairConsensusOptions& options)
-      : shared_(shared), options_(options), rng_(options.seed) {}
+      : shared_(shared), options_(options), rng_(options.seed) {
+    for (const SharedLandmark& s : shared) matches_.push_back(MakeMatch(s));
+  }
 
   std::optional<PairConsensus> Run() {
     const std::vector<RotationGuess> guesses = BestRotations();
@@ -104,19 +117,14 @@ class ConsensusSearch {
            Triad(a.source_normal, b.source_normal).transpose();
   }
 
-  // Wahba's problem over the normals that agree, again as their set settles.
+  // The closed form over the normals that agree, again as their set settles.
   void RefineRotation(RotationGuess* guess) const {
     for (int i = 0; i < kRefinements; ++i) {
-      Matrix3d moment = Matrix3d::Zero(), information = Matrix3d::Zero();
-      for (int k : guess->agreeing) {
-        const SharedLandmark& s = shared_[k];
-        const double weight = 1.0 / (s.tilt_sigma * s.tilt_sigma);
-        moment += weight * s.target_normal * s.source_normal.transpose();
-        information +=
-            weight * (Matrix3d::Identity() - s.target_normal * s.target_normal.transpose());
-      }
-      guess->target_from_source = ProjectToRotation(moment);
-      guess->covariance = information.inverse();
+      std::vector<PlaneMatch> matches;
+      for (int k : guess->agreeing) matches.push_back(matches_[k]);
+      const RotationSolution solution = SolveRotation(matches);
+      guess->target_from_source = solution.target_from_source.toRotationMatrix();
+      guess->covariance = solution.covariance;
       guess->agreeing = NormalsAgreeing(guess->target_from_source, 1.0);
     }
   }
@@ -306,6 +314,7 @@ class ConsensusSearch {
 
   const std::vector<SharedLandmark>& shared_;
   const PairConsensusOptions& options_;
+  std::vector<PlaneMatch> matches_;  // the same landmarks, as the closed form takes them
   std::mt19937_64 rng_;
 };
 

@@ -21,9 +21,6 @@ class ExperimentReader : private YamlReader {
   Experiment Read();
 
  private:
-  std::size_t Line(const YAML::Node& node) const {
-    return static_cast<std::size_t>(node.Mark().line + 1);
-  }
   YAML::Node List(const YAML::Node& map, const std::string& key, bool needed) const;
   void CheckName(const YAML::Node& node, const std::string& name,
                  std::set<std::string>* taken) const;

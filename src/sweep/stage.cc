@@ -13,8 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kCannotStart = 127;
-
 std::string RecordFile(const Stage& stage) {
   return stage.folder + "/" + stage.name + ".record.json";
 }

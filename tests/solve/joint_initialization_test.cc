@@ -6,37 +6,16 @@
 #include <algorithm>
 
 #include "planegraph/solve/solver.h"
+#include "solve/mismatched_graph.h"
 #include "solve/plane_world.h"
 
 namespace planegraph {
 namespace {
 
-// Any rotation, any place: what the graph says of its poses is worth nothing.
 Graph WithRandomPoses(const Graph& truth, std::mt19937_64* rng) {
   Graph graph = truth;
-  std::normal_distribution<double> normal;
-  for (PoseNode& node : graph.poses) {
-    if (node.fixed) continue;
-    node.world_from_node.rotation =
-        Eigen::Quaterniond(normal(*rng), normal(*rng), normal(*rng), normal(*rng)).normalized();
-    node.world_from_node.translation =
-        20.0 * Eigen::Vector3d(normal(*rng), normal(*rng), normal(*rng));
-  }
+  ScatterPoses(20.0, rng, &graph);
   return graph;
-}
-
-// A share of every pose's observations changes places among themselves.
-void Mismatch(double share, Graph* graph, std::mt19937_64* rng) {
-  for (int pose = 0; pose < static_cast<int>(graph->poses.size()); ++pose) {
-    std::vector<PlaneObservation*> wrong;
-    for (PlaneLandmark& plane : graph->planes) {
-      for (PlaneObservation& seen : plane.observations) {
-        const bool is_wrong = std::uniform_real_distribution<double>()(*rng) < share;
-        if (seen.pose == pose && is_wrong) wrong.push_back(&seen);
-      }
-    }
-    for (std::size_t i = wrong.size(); i > 1; --i) std::swap(*wrong[i - 1], *wrong[(*rng)() % i]);
-  }
 }
 
 TEST(JointInitialization, ExactFromNoGuess) {
@@ -72,7 +51,7 @@ TEST(JointInitialization, ThreeInFiveMismatched) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     PlaneWorld world({.poses = 8, .planes = 150, .noise = 1.0, .seed = seed});
     Graph graph = WithRandomPoses(world.truth(), &world.rng());
-    Mismatch(0.6, &graph, &world.rng());
+    MismatchObservations(0.6, &world.rng(), &graph);
     InitializeJointly(&graph);
     right += LargestPoseDifference(graph, world.truth()) < 0.05;
   }

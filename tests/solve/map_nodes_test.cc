@@ -175,6 +175,29 @@ TEST(AssociateWithMaps, AMapIsOneMoreObservationAndNoSeed) {
   EXPECT_TRUE(AssociatePatches({}, {}, options, placed).empty());
 }
 
+// Principal axes have no side of their own; what seeks poses from nothing needs one.
+TEST(Associate, ObservationsFaceAsTheirLandmark) {
+  const Rigid3 turned(ExpSO3({0.3, -0.2, 2.5}), {1.0, 2.0, -0.5});
+  for (int axis = 0; axis < 3; ++axis) {
+    for (double side : {-1.0, 1.0}) {
+      const Vector3d normal = side * Vector3d::Unit(axis), centre = -3.0 * normal;
+      const PlaneSet here = Patches(centre, normal, CloudKind::kLaser);
+      const Rigid3 scan_from_world = turned.Inverse();
+      const PlaneSet there =
+          Patches(scan_from_world * centre, scan_from_world.rotation * normal, CloudKind::kLaser);
+      const auto landmarks = AssociatePatches({&here, &there}, {Rigid3(), turned});
+      ASSERT_EQ(landmarks.size(), 1u);
+      EXPECT_GT(landmarks[0].normal.dot(normal), 0.99);
+      ASSERT_EQ(landmarks[0].observations.size(), 2u);
+      EXPECT_GT(landmarks[0].observations[0].axes.col(0).dot(normal), 0.99);
+      EXPECT_GT((turned.rotation * landmarks[0].observations[1].axes.col(0)).dot(normal), 0.99);
+      for (const PlaneObservation& seen : landmarks[0].observations) {
+        EXPECT_NEAR(seen.axes.determinant(), 1.0, 1e-9);
+      }
+    }
+  }
+}
+
 TEST(AssociateWithMaps, ARoofsUndersideIsNotItsTop) {
   const PlaneSet underside = Patches({0, 0, 5.0}, -Vector3d::UnitZ(), CloudKind::kLaser);
   const PlaneSet top = Patches({0, 0, 5.05}, Vector3d::UnitZ(), CloudKind::kVision);

@@ -20,9 +20,10 @@ struct RobotPosition {
 };
 
 /// The positions of all robots that have a receiver, for the scans that its fixes enclose (at most
-/// 5 s apart, or 1 s away). They are in the world where a drone map has GPS, or metric positions,
-/// that place it; else the world is the first scan's frame, nobody knows how it lies on the earth,
-/// and the positions are left out with a warning. Throws InputError.
+/// 5 s apart, or 1 s away; clocks may be whole days apart). They are in the world where a drone map
+/// has GPS, or metric positions, that place it; else the world is the first scan's frame, nobody
+/// knows how it lies on the earth, and the positions are left out with a warning. Throws
+/// InputError.
 std::vector<RobotPosition> ReadRobotPositions(const Site& site,
                                               const std::vector<ScanRecord>& scans,
                                               const std::vector<MapRecord>& maps,
