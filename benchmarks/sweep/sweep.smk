@@ -3,6 +3,7 @@
 SWEEP_EXPERIMENT = os.path.join(ROOT, config["sweep"]["experiment"])
 if not why_absent(config["sweep"]["inputs"]):
     TABLES.append("sweep")
+DOCS.add("sweep")
 
 rule sweep:
     input: SWEEP_EXPERIMENT, files(config["sweep"]["inputs"])
