@@ -17,7 +17,8 @@ DEFINE_string(optimizer, "graph", "graph (joint), metascan (the paper's), none (
 DEFINE_string(plane_factor, "moments",
               "cost variant of the planes, NAME[:OPTION=VALUE,...] (see `planegraph factors`)");
 DEFINE_string(loss, "cauchy:2.4",
-              "robust loss of the plane residuals, NAME[:SCALE]: none, huber, soft_l1, cauchy, "
+              "robust loss of the planes' residuals (optimize: of the edges', none by default), "
+              "NAME[:SCALE]: none, huber, soft_l1, cauchy, "
               "tukey, geman_mcclure, dcs; gnc_tls, gnc_gm (graduated non-convexity)");
 DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
