@@ -93,7 +93,10 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   options.progress("registration", 0.0);
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
-  CalibrateOdometry(result->pairs, &result->odometry);
+  if (CalibrateOdometry(result->pairs, &result->odometry)) {
+    ResolveContradictions(models, result->odometry, options.registration, options.threads,
+                          &result->pairs);
+  }
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
       ChainPoses(result->site, result->scans, result->pairs, result->odometry);

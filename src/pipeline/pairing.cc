@@ -1,15 +1,19 @@
 #include "planegraph/pipeline/pairing.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <set>
 #include <utility>
 
+#include "planegraph/base/chi_square.h"
 #include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
+#include "planegraph/graph/pose_error.h"
 
 namespace planegraph {
 namespace {
@@ -61,6 +65,32 @@ void HoldOpenDirections(const ScanModel& target, const ScanModel& source, const 
   *registration = std::move(held);
 }
 
+// How many of the odometry's standard deviations (of three axes together) the pose is off, by
+// translation or by rotation, whichever is more.
+double Contradiction(const Rigid3& target_from_source, const OdometryStep& step) {
+  const Vector6d off = PoseError(target_from_source, step.target_from_source);
+  const auto chi2 = [&](int at) {
+    return off.segment<3>(at).dot(
+        step.covariance.block<3, 3>(at, at).ldlt().solve(off.segment<3>(at)));
+  };
+  return std::sqrt(std::max(chi2(0), chi2(3)));
+}
+
+// Beyond all chance: one in a million of good odometry.
+double MostContradiction() { return std::sqrt(ChiSquareQuantile(1.0 - 1e-6, 3)); }
+
+void Refuse(const OdometryStep& step, PairRecord* pair) {
+  const Eigen::Vector3d off =
+      pair->registration.target_from_source().translation - step.target_from_source.translation;
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "it contradicts the odometry: %.2f m off, %.0f standard deviations", off.norm(),
+                Contradiction(pair->registration.target_from_source(), step));
+  pair->registration.status = RegistrationStatus::kAmbiguous;
+  pair->registration.reason = text;
+  pair->used = false;
+}
+
 struct Candidate {
   std::size_t target, source;
   double support;
@@ -84,8 +114,10 @@ std::vector<Candidate> FindCandidates(const std::vector<ScanModel>& models,
   return candidates;
 }
 
+constexpr std::size_t kLeastSteps = 3;  // for a robust scale
+
 double RobustScale(std::vector<double> ratios) {
-  if (ratios.size() < 3) return 1.0;
+  if (ratios.size() < kLeastSteps) return 1.0;
   // Median of chi-square with three degrees of freedom over three.
   return std::max(1.0, Median(std::move(ratios)) / 0.789);
 }
@@ -115,7 +147,7 @@ std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<Scan
   return steps;
 }
 
-void CalibrateOdometry(const std::vector<PairRecord>& pairs, std::vector<OdometryStep>* steps) {
+bool CalibrateOdometry(const std::vector<PairRecord>& pairs, std::vector<OdometryStep>* steps) {
   std::vector<double> translation, rotation;
   for (const PairRecord& pair : pairs) {
     const OdometryStep* step = FindStep(*steps, pair.target);
@@ -127,11 +159,13 @@ void CalibrateOdometry(const std::vector<PairRecord>& pairs, std::vector<Odometr
     const double angle = AngleBetween(seen.rotation, step->target_from_source.rotation);
     rotation.push_back(angle * angle / step->covariance.bottomRightCorner<3, 3>().trace());
   }
+  const bool calibrated = translation.size() >= kLeastSteps;
   const double ft = RobustScale(std::move(translation)), fr = RobustScale(std::move(rotation));
   for (OdometryStep& step : *steps) {
     step.covariance.topLeftCorner<3, 3>() *= ft;
     step.covariance.bottomRightCorner<3, 3>() *= fr;
   }
+  return calibrated;
 }
 
 std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
@@ -155,6 +189,28 @@ std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
     pair.seconds = Seconds(start);
   });
   return chain;
+}
+
+void ResolveContradictions(const std::vector<ScanModel>& models,
+                           const std::vector<OdometryStep>& odometry,
+                           const RegistrationOptions& options, int threads,
+                           std::vector<PairRecord>* chain) {
+  ParallelFor(chain->size(), threads, [&](std::size_t k) {
+    PairRecord& pair = (*chain)[k];
+    const OdometryStep* step = FindStep(odometry, pair.target);
+    if (step == nullptr || !pair.used) return;
+    const double most = MostContradiction();
+    if (Contradiction(pair.registration.target_from_source(), *step) <= most) return;
+    const ScanModel &target = models[pair.target], &source = models[pair.source];
+    Registration near =
+        RegisterFromGuess(target, source, WeakPrior(step->target_from_source), options);
+    if (!Usable(near) || Contradiction(near.target_from_source(), *step) > most) {
+      Refuse(*step, &pair);
+      return;
+    }
+    HoldOpenDirections(target, source, *step, options, &near);
+    pair.registration = std::move(near);
+  });
 }
 
 std::vector<PairRecord> RegisterNeighbours(const std::vector<ScanModel>& models,

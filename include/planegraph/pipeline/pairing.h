@@ -32,8 +32,9 @@ Matrix6d OdometryCovariance(const Rigid3& target_from_source);
 std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<ScanRecord>& scans);
 
 /// Scales the covariances (never down) so that the differences to the used registrations are what
-/// they say: a robust estimate, one factor for translation and one for rotation.
-void CalibrateOdometry(const std::vector<PairRecord>& pairs, std::vector<OdometryStep>* steps);
+/// they say: a robust estimate, one factor for translation and one for rotation. False where fewer
+/// than three steps could be compared: the covariances stay what is usual.
+bool CalibrateOdometry(const std::vector<PairRecord>& pairs, std::vector<OdometryStep>* steps);
 
 /// Registers each scan to the one before it (step p of the paper): from the odometry where there is
 /// one, without a guess where that fails or there is none.
@@ -41,6 +42,14 @@ std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
                                       const std::vector<ScanRecord>& scans,
                                       const std::vector<OdometryStep>& odometry,
                                       const RegistrationOptions& options, int threads);
+
+/// Registrations of consecutive scans that contradict the calibrated odometry beyond all chance:
+/// halls with equal bays look the same from each. The one from the odometry takes their place where
+/// it is good enough; else they are ambiguous and not used.
+void ResolveContradictions(const std::vector<ScanModel>& models,
+                           const std::vector<OdometryStep>& odometry,
+                           const RegistrationOptions& options, int threads,
+                           std::vector<PairRecord>* chain);
 
 /// Registers pairs of scans that are no neighbours in time but see the same surfaces under the
 /// given poses: loops, and the rest of the neighbourhood. At most `most_per_scan` for each scan.
