@@ -6,33 +6,11 @@
 #include <map>
 #include <set>
 
+#include "pipeline/open_directions.h"
 #include "planegraph/base/median.h"
 
 namespace planegraph {
 namespace {
-
-constexpr double kHoldSigma = 1e-3;  // metres: how tightly odometry holds an open direction
-
-// Along directions that the planes leave open the estimate shall follow the odometry, not what the
-// noise of many normals adds up to.
-void HoldOpenDirections(const std::vector<PairRecord>& pairs,
-                        const std::vector<OdometryStep>& odometry, Graph* graph) {
-  for (const PairRecord& pair : pairs) {
-    if (!pair.used) continue;
-    for (const auto& step : odometry) {
-      if (step.target != pair.target || step.source != pair.source) continue;
-      Matrix6d information = Matrix6d::Zero();
-      for (const auto& open : pair.registration.unobserved) {
-        if (open.direction.head<3>().norm() < 0.5) continue;
-        information += open.direction * open.direction.transpose() / (kHoldSigma * kHoldSigma);
-      }
-      if (information.isZero()) continue;
-      graph->pose_factors.push_back(MakeRelativePose(static_cast<int>(step.target),
-                                                     static_cast<int>(step.source),
-                                                     step.target_from_source, information, "hold"));
-    }
-  }
-}
 
 std::vector<const PlaneSet*> PlaneSets(const std::vector<ScanRecord>& scans) {
   std::vector<const PlaneSet*> sets;
@@ -312,7 +290,7 @@ Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,
   KeepAnchoredOnly(problem, &graph);
   ShareMapInformation(weights, &graph);
   AddOdometry(*problem.odometry, &graph);
-  HoldOpenDirections(*problem.pairs, *problem.odometry, &graph);
+  HoldOpenDirections(problem, solution, &graph);
   AddStarts(problem, &graph);
   AddRobotPositions(problem, held, component, &graph);
   AddGravity(problem, held, component, &graph);

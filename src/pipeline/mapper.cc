@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 
+#include "pipeline/lap.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/pipeline/joining.h"
@@ -12,19 +12,6 @@
 
 namespace planegraph {
 namespace {
-
-class Lap {
- public:
-  explicit Lap(double* seconds) : seconds_(seconds) {}
-  ~Lap() {
-    *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  double* seconds_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 std::vector<ScanRecord> PrepareScans(const Site& site, const MapOptions& options) {
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t r = 0; r < site.robots.size(); ++r) {
@@ -93,10 +80,9 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   options.progress("registration", 0.0);
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
-  if (CalibrateOdometry(result->pairs, &result->odometry)) {
-    ResolveContradictions(models, result->odometry, options.registration, options.threads,
-                          &result->pairs);
-  }
+  const OdometryScatter scatter = CalibrateOdometry(result->pairs, &result->odometry);
+  ReviseChain(models, result->odometry, scatter, options.registration, options.threads,
+              &result->pairs);
   options.progress("registration", 0.5);
   std::vector<Rigid3> poses =
       ChainPoses(result->site, result->scans, result->pairs, result->odometry);

@@ -1,10 +1,9 @@
-#include "planegraph/pipeline/pairing.h"
-
 #include <gmock/gmock.h>
 
 #include <numbers>
 
 #include "planegraph/geometry/rotation.h"
+#include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/joint_solve.h"
 
 namespace planegraph {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/front_end.h"
 #include "planegraph/pipeline/map_front_end.h"
-#include "planegraph/pipeline/pairing.h"
 #include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/registration/map_registration.h"
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/map_front_end.h"
 #include "planegraph/pipeline/map_matching.h"
-#include "planegraph/pipeline/pairing.h"
 #include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/pipeline/site.h"
 #include "planegraph/solve/association.h"

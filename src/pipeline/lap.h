@@ -1,0 +1,22 @@
+#pragma once
+
+#include <chrono>
+
+namespace planegraph {
+
+/// Adds the seconds of its life to a sum.
+class Lap {
+ public:
+  explicit Lap(double* seconds) : seconds_(seconds) {}
+  Lap(const Lap&) = delete;
+  Lap& operator=(const Lap&) = delete;
+  ~Lap() {
+    *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double* seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace planegraph
