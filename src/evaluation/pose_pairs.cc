@@ -16,6 +16,7 @@ MatrixPose PoseAt(const Trajectory& trajectory, std::size_t i) {
 void Append(const Trajectory& reference, std::size_t i, const Trajectory& estimate, std::size_t j,
             PosePairs* pairs) {
   pairs->indices.push_back(i);
+  pairs->estimate_indices.push_back(j);
   pairs->times.push_back(reference.times[i]);
   pairs->reference.push_back(PoseAt(reference, i));
   pairs->estimate.push_back(PoseAt(estimate, j));

@@ -335,7 +335,9 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
   CovarianceOptions limits;
   limits.translation_threshold = options.registration.weak_translation;
   limits.rotation_threshold = options.registration.weak_rotation;
-  const GraphCovariance covariance(graph, RoundOptions(options, true), limits);
+  result->covariance =
+      std::make_shared<GraphCovariance>(graph, RoundOptions(options, true), limits);
+  const GraphCovariance& covariance = *result->covariance;
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i) {
     result->covariances.push_back(covariance.Pose(i));
     result->unobserved.push_back(covariance.Unobserved(i));

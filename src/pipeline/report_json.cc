@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/reference.h"
 #include "planegraph/base/error.h"
 #include "planegraph/evaluation/trajectory_error.h"
 #include "planegraph/pipeline/outputs.h"
@@ -227,16 +228,6 @@ Json ErrorsJson(const PoseErrors& errors) {
   return json;
 }
 
-Trajectory EstimateOf(const MapResult& result, std::size_t robot, bool has_times) {
-  Trajectory trajectory;
-  trajectory.has_times = has_times;
-  for (const std::size_t i : ScansInFileOrder(result, robot)) {
-    trajectory.times.push_back(result.scans[i].time);
-    trajectory.poses.push_back(result.solution.world_from_scan[i]);
-  }
-  return trajectory;
-}
-
 // Alignment on the first pose where the positions do not define another one.
 AteResult AteOrFirst(const PosePairs& pairs) {
   try {
@@ -247,10 +238,7 @@ AteResult AteOrFirst(const PosePairs& pairs) {
 }
 
 Json EvaluationJson(const MapResult& result, std::size_t robot) {
-  const RobotSite& site = result.site.robots[robot];
-  const Trajectory reference = ReadTrajectory(site.reference);
-  const bool by_time = site.odometry && site.odometry->has_times && reference.has_times;
-  const PosePairs pairs = PairPoses(reference, EstimateOf(result, robot, by_time));
+  const PosePairs pairs = PairWithReference(result, robot);
   const AteResult ate = AteOrFirst(pairs);
   Json json = {{"ate", ErrorsJson(ate.errors)}};
   json["ate"]["alignment"] = Name(ate.alignment);
@@ -267,6 +255,7 @@ Json EvaluationJson(const MapResult& result, std::size_t robot) {
 // A reference that does not fit must not cost the run its report.
 void Evaluate(const MapResult& result, std::size_t robot, Json* report) {
   const std::string& name = result.site.robots[robot].name;
+  if (result.site.robots[robot].reference.empty()) return;
   const auto warn = [&](const std::exception& error) {
     (*report)["warnings"].push_back("no evaluation of " + name + ": " + error.what());
   };
@@ -330,9 +319,8 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
     report["registrations"].push_back(MapPairJson(result, pair));
   }
   for (std::size_t m = 0; m < result.maps.size(); ++m) report["maps"].push_back(MapJson(result, m));
-  for (std::size_t r = 0; r < result.site.robots.size(); ++r) {
-    if (!result.site.robots[r].reference.empty()) Evaluate(result, r, &report);
-  }
+  for (std::size_t r = 0; r < result.site.robots.size(); ++r) Evaluate(result, r, &report);
+  report["reference"] = ReferenceJson(result);
   report["stage_seconds"] = {
       {"front_end", result.seconds.front_end},  {"maps", result.seconds.maps},
       {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},

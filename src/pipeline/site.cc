@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "pipeline/reference.h"
 #include "pipeline/yaml_reader.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/gps_io.h"
@@ -243,12 +244,14 @@ GeodeticPosition SiteReader::Origin(const YAML::Node& node) const {
 
 DroneMapSite SiteReader::Map(const YAML::Node& node) const {
   AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma",
-                   "gravity"});
+                   "gravity", "reference"});
   DroneMapSite map{Text(node, "name", ""),     File(node, "cloud"),
                    File(node, "cameras"),      File(node, "gps"),
                    File(node, "image_times"),  Positive(node, "scale_sigma"),
                    Positive(node, "gps_sigma")};
   map.gravity = Gravity(node["gravity"]);
+  map.reference = File(node, "reference");
+  if (!map.reference.empty()) ReadTrueScale(map.reference);  // a bad one shows before the run
   if (map.name.empty()) Fail(node, "a map needs a `name`");
   if (map.cloud.empty()) Fail(node, "a map needs a `cloud`");
   return map;

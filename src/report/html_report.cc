@@ -55,7 +55,7 @@ std::string RenderReport(const Json& report, const MergedMap& map, const ViewerI
   return Head(TextAt(report, {"name"})) + HeaderHtml(data) + "<main>\n" +
          Section("Plan", FloorPlanHtml(data, map, frame)) +
          Section("3-D view", ViewerHtml(data, viewer)) + OpenDirectionsHtml(data) + MapsHtml(data) +
-         EvaluationHtml(data) + ScansHtml(data) +
+         EvaluationHtml(data) + ConsistencyHtml(data) + ScansHtml(data) +
          Section("Registrations", GraphHtml(data, frame) + RegistrationsHtml(data)) +
          TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) + ConfigurationHtml(data) +
          "</div>\n" + "</main>\n" + Footer(report) + ViewerScriptsHtml(data, viewer) +

@@ -16,6 +16,8 @@ std::string ScansHtml(const ReportData& data);
 std::string RegistrationsHtml(const ReportData& data);
 std::string MapsHtml(const ReportData& data);
 std::string EvaluationHtml(const ReportData& data);
+/// How the errors against the reference compare with the covariances.
+std::string ConsistencyHtml(const ReportData& data);
 std::string SolveHtml(const ReportData& data);
 std::string TimesHtml(const ReportData& data);
 /// Flags and everything else under `configuration`, and the version stamp.

@@ -102,7 +102,8 @@ std::string SiteFile(const SimulatedSite& site, const Given& given) {
          "    cloud: uav/cloud.ply\n"
          "    cameras: uav/synth_0.out\n"
          "    gps: uav/gps.csv\n"
-         "    image_times: uav/images.csv\n";
+         "    image_times: uav/images.csv\n"
+         "    reference: truth/similarity.json   # for evaluation alone\n";
 }
 
 void WriteSiteFiles(const std::string& folder, const SimulatedSite& site) {

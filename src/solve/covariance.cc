@@ -19,11 +19,11 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A quantity of six dimensions, linear in the perturbations of the poses and maps: its derivative
-// (rows: 6 for each pose, then 7 for each map), and the pose whose scale tells when a variance of
+// (rows: 6 for each pose, then 7 for each map), and the poses whose scales tell when a variance of
 // it is infinite.
 struct Quantity {
   MatrixXd by_poses;
-  int scale_pose = 0;
+  std::vector<int> scale_poses;
 };
 
 Eigen::Index Dimensions(const Graph& graph) {
@@ -31,7 +31,7 @@ Eigen::Index Dimensions(const Graph& graph) {
 }
 
 Quantity PoseQuantity(const Graph& graph, int pose) {
-  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), pose};
+  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), {pose}};
   quantity.by_poses.middleCols<6>(6 * pose).setIdentity();
   return quantity;
 }
@@ -41,7 +41,7 @@ Quantity RelativeQuantity(const Graph& graph, int target, int source) {
   const Rigid3& a = graph.poses[target].world_from_node;
   const Rigid3& b = graph.poses[source].world_from_node;
   const Matrix3d to_target = a.rotation.toRotationMatrix().transpose();
-  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), source};
+  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), {source, target}};
   Matrix6d by_source = Matrix6d::Zero();
   by_source.topLeftCorner<3, 3>() = to_target;
   by_source.bottomRightCorner<3, 3>() = to_target;
@@ -70,10 +70,16 @@ class GraphCovariance::Implementation {
 
   const Graph& graph() const { return graph_; }
 
-  Matrix6d Covariance(const Quantity& quantity) const {
-    Matrix6d covariance = Raw(*all_, quantity);
-    for (int k = 0; k < 6; ++k) {
-      if (covariance(k, k) <= Limit(*all_, quantity, k >= 3)) continue;
+  // Of several quantities, one after the other.
+  MatrixXd Covariance(const std::vector<Quantity>& quantities) const {
+    const auto count = static_cast<Eigen::Index>(quantities.size());
+    MatrixXd by_poses(6 * count, Dimensions(graph_));
+    for (Eigen::Index q = 0; q < count; ++q) {
+      by_poses.middleRows<6>(6 * q) = quantities[q].by_poses;
+    }
+    MatrixXd covariance = Raw(*all_, by_poses);
+    for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+      if (covariance(k, k) <= Limit(*all_, quantities[k / 6], k % 6 >= 3)) continue;
       covariance.row(k).setConstant(kNotANumber);
       covariance.col(k).setConstant(kNotANumber);
     }
@@ -91,7 +97,7 @@ class GraphCovariance::Implementation {
 
   std::vector<UnobservedDirection> Unobserved(const Quantity& quantity) const {
     std::vector<UnobservedDirection> found;
-    const Matrix6d by_planes = Raw(*planes_, quantity);
+    const Matrix6d by_planes = Raw(*planes_, quantity.by_poses);
     for (const bool rotation : {false, true}) {
       const double threshold =
           rotation ? options_.rotation_threshold : options_.translation_threshold;
@@ -109,13 +115,17 @@ class GraphCovariance::Implementation {
   }
 
  private:
-  static Matrix6d Raw(const PoseSystem& system, const Quantity& quantity) {
-    const Matrix6d covariance = quantity.by_poses * system.Solve(quantity.by_poses.transpose());
+  static MatrixXd Raw(const PoseSystem& system, const MatrixXd& by_poses) {
+    const MatrixXd covariance = by_poses * system.Solve(by_poses.transpose());
     return 0.5 * (covariance + covariance.transpose());
   }
 
   static double Limit(const PoseSystem& system, const Quantity& quantity, bool rotation) {
-    return system.InfiniteVariance(quantity.scale_pose, rotation);
+    double limit = kInfinity;
+    for (const int pose : quantity.scale_poses) {
+      limit = std::min(limit, system.InfiniteVariance(pose, rotation));
+    }
+    return limit;
   }
 
   UnobservedDirection Describe(const Quantity& quantity, Vector6d direction, bool rotation) const {
@@ -178,11 +188,19 @@ GraphCovariance::GraphCovariance(const Graph& graph, const SolveOptions& options
 GraphCovariance::~GraphCovariance() = default;
 
 Matrix6d GraphCovariance::Pose(int pose) const {
-  return implementation_->Covariance(PoseQuantity(implementation_->graph(), pose));
+  return implementation_->Covariance({PoseQuantity(implementation_->graph(), pose)});
 }
 
 Matrix6d GraphCovariance::Relative(int target, int source) const {
-  return implementation_->Covariance(RelativeQuantity(implementation_->graph(), target, source));
+  return implementation_->Covariance({RelativeQuantity(implementation_->graph(), target, source)});
+}
+
+Eigen::MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources) const {
+  std::vector<Quantity> quantities;
+  for (const int source : sources) {
+    quantities.push_back(RelativeQuantity(implementation_->graph(), target, source));
+  }
+  return implementation_->Covariance(quantities);
 }
 
 Matrix7d GraphCovariance::Map(int map) const { return implementation_->MapCovariance(map); }

@@ -178,6 +178,36 @@ TEST_F(Outputs, TheReportSaysWhatTheRunFound) {
   EXPECT_EQ(evaluation["rpe"]["count"], 2);
 }
 
+// Errors of relative poses do not depend on the frame in which the truth is given.
+TEST_F(Outputs, TheConsistencyIsThatOfAnyFrameOfTheReference) {
+  Site site = ReadBack();
+  const MapResult result = MapScans(site, TwoThreads());
+  const auto consistency = [&](const Site& with) {
+    MapResult other = result;
+    other.site = with;
+    return nlohmann::json::parse(ReportJson(other, TwoThreads()))["reference"]["consistency"];
+  };
+  const auto here = consistency(site);
+  EXPECT_EQ(here["count"], 2);
+  EXPECT_EQ(here["degrees_of_freedom"], 12);
+  EXPECT_EQ(here["joint"], true);
+  EXPECT_GT(here["pose_nees"], 0.0);
+  EXPECT_LT(here["pose_nees"], 5.0);
+  EXPECT_EQ(here["robots"]["robot1"]["each"].size(), 2u);
+  EXPECT_EQ(here["robots"]["robot1"]["relative_to"], "robot1/000");
+  EXPECT_FALSE(here.contains("scale_nees"));
+  Trajectory moved = ReadTrajectory(site.robots[0].reference);
+  const Rigid3 motion(ExpSO3({0.3, -0.5, 2.0}), {3, -2, 5});
+  for (Rigid3& pose : moved.poses) pose = motion * pose;
+  WriteTum(Path("moved.tum"), moved);
+  site.robots[0].reference = Path("moved.tum");
+  const auto there = consistency(site);
+  EXPECT_NEAR(there["pose_nees"], here["pose_nees"].get<double>(), 1e-3);
+  EXPECT_EQ(there["coverage"], here["coverage"]);
+  site.robots[0].reference.clear();
+  EXPECT_TRUE(consistency(site).empty());
+}
+
 // The reference is for the evaluation alone: one that does not fit must not cost the results.
 TEST_F(Outputs, AReferenceThatDoesNotFitIsAWarning) {
   Site site = ReadBack();

@@ -86,6 +86,7 @@ maps:
   EXPECT_EQ(site.maps[0].scale_sigma, 0.01);
   EXPECT_EQ(site.maps[0].gps_sigma, 1.5);
   EXPECT_FALSE(site.maps[1].scale_sigma.has_value());
+  EXPECT_EQ(site.maps[1].reference, "");
   EXPECT_FALSE(ReadSite(Write("b.yaml", "robots: [{name: a, scans: scans}]")).origin.has_value());
 }
 
@@ -130,6 +131,19 @@ TEST_F(SiteFile, OriginsAndSigmasThatMakeNoSense) {
   ExpectError(map + "scale_sigma: 0\n", "5", "positive");
   ExpectError(map + "gps_sigma: -1\n", "5", "positive");
   ExpectError(map + "gps_sigma: .inf\n", "5", "positive");
+}
+
+TEST_F(SiteFile, TheTrueScaleOfAMapIsCheckedBeforeTheRun) {
+  Write("uav/cloud.ply", "");
+  const std::string map =
+      "robots: [{name: a, scans: scans}]\nmaps: [{name: m, cloud: uav/cloud.ply, reference: "
+      "t.json}]";
+  for (const char* bad : {"scale", "[1]", "{\"scale\": 0}", "{\"scale\": \"2\"}", "{}"}) {
+    Write("t.json", bad);
+    EXPECT_THROW(ReadSite(Write("site.yaml", map)), InputError) << bad;
+  }
+  const std::string truth = Write("t.json", "{\"scale\": 2.5}");
+  EXPECT_EQ(ReadSite(Write("site.yaml", map)).maps[0].reference, truth);
 }
 
 TEST_F(SiteFile, TheNameIsTheFilesWithoutOne) {

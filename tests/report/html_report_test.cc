@@ -54,6 +54,9 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">12.3</td>"));   // ATE, mm
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">1.000</td>"));  // ATE rotation, deg
   EXPECT_THAT(page, HasSubstr("alignment first"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">0.21 to 2.41</td>"));  // band of the NEES
+  EXPECT_THAT(page, HasSubstr("all poses jointly, relative to ugv/000"));
+  EXPECT_THAT(page, HasSubstr("scale of uav"));
   EXPECT_THAT(page, HasSubstr("cauchy:2.4"));
   EXPECT_THAT(page, HasSubstr("huber:1"));
 }

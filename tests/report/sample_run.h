@@ -60,6 +60,13 @@ inline nlohmann::json SampleReport() {
       "rpe": {"rmse": 0.02, "mean": 0.02, "median": 0.02, "max": 0.02,
               "rotation": {"rmse": 0.01, "max": 0.01}, "count": 1, "delta": 1,
               "delta_unit": "frames", "pairs": "consecutive", "pairs_from": "reference"}}},
+    "reference": {"consistency": {"pose_nees": 1.25, "degrees_of_freedom": 6, "joint": true,
+      "band": [0.21, 2.41], "count": 1, "coverage": {"50": 0, "90": 1, "95": 1},
+      "scale_nees": 0.5, "scale_coverage": {"50": 1, "90": 1, "95": 1},
+      "robots": {"ugv": {"nees": 1.25, "degrees_of_freedom": 6, "joint": true, "band": [0.21, 2.41],
+                         "count": 1, "coverage": {"50": 0, "90": 1, "95": 1}, "each": [1.25],
+                         "relative_to": "ugv/000"}},
+      "maps": {"uav": {"true_scale": 2.5, "nees": 0.5}}}},
     "stage_seconds": {"solve": 0.25, "front_end": 0.5, "maps": 0.4, "placing": 0.2},
     "planegraph": {"version": "0.1.0", "commit": "abc", "command": "planegraph map site.yaml",
                    "flags": {"loss": "huber:1"}, "seed": 3}

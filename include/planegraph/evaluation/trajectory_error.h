@@ -29,6 +29,7 @@ struct PosePairs {
   std::size_t unpaired = 0;          ///< poses of the shorter trajectory without a counterpart
   std::vector<double> times;         ///< of the reference's poses; without times their indices
   std::vector<std::size_t> indices;  ///< of the reference's poses, in its file
+  std::vector<std::size_t> estimate_indices;  ///< likewise of the estimate's
 };
 
 /// Pairs two trajectories. Both with times: each pose of the shorter one takes the pose of the

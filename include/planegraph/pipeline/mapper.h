@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "planegraph/solve/solver.h"
 
 namespace planegraph {
+
+class GraphCovariance;
 
 /// Reports a stage and how much of it is done, in [0, 1].
 using Progress = std::function<void(const std::string& stage, double done)>;
@@ -60,8 +63,9 @@ struct MapResult {
   std::vector<MapPairRecord> map_pairs;
   std::vector<RobotPosition> robot_positions;  ///< by GPS, world
   JointSolution solution;
-  std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
-  std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
+  std::vector<Matrix6d> covariances;                  ///< by scan; NaN where infinite
+  std::vector<Matrix7d> map_covariances;              ///< by map, of world_from_map
+  std::shared_ptr<const GraphCovariance> covariance;  ///< of the graph; null without one
   std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
   std::vector<std::vector<UnobservedDirection>> unobserved;
   std::vector<int> component;  ///< of each scan: joined by used registrations, maps included

@@ -51,6 +51,7 @@ struct DroneMapSite {
   std::optional<double> gps_sigma;           ///< metres, of one position and axis; likewise
   double scale = 1.0;                        ///< metres per unit, where no positions tell
   std::optional<GravityPrior> gravity = {};  ///< in the map's own frame
+  std::string reference = {};  ///< JSON file with the true `scale`, for evaluation alone; or empty
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working

@@ -32,6 +32,9 @@ class GraphCovariance {
   Matrix6d Pose(int pose) const;
   /// Covariance of target_from_source; NaN as above.
   Matrix6d Relative(int target, int source) const;
+  /// Joint covariance of target_from_source for several sources, 6 rows each in their order; NaN as
+  /// above.
+  Eigen::MatrixXd Relatives(int target, const std::vector<int>& sources) const;
   /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map.
   Matrix7d Map(int map) const;
   /// What the planes leave open at this pose, translations first, the weakest first.
