@@ -186,7 +186,8 @@ TEST_F(SiteWithCoherentRegistrations, NamesJustThemAndIsSolvedRight) {
   SolveAgain();
   EXPECT_LT(LargestDistance(result_.solution.world_from_scan, clean), 0.002);
   std::set<std::string> named;
-  for (const auto& off : nlohmann::json::parse(ReportJson(result_, Options()))["switched_off"]) {
+  const auto report = nlohmann::json::parse(ReportJson(result_, Options()));
+  for (const auto& off : report["switched_off"]) {
     named.insert(off["target"].get<std::string>() + "-" + off["source"].get<std::string>());
     EXPECT_EQ(off["kind"], "laser-laser");
     EXPECT_GT(off["sigmas"].get<double>(), off["threshold_sigmas"].get<double>());
