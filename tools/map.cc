@@ -4,6 +4,7 @@
 
 #include <iostream>
 #include <mutex>
+#include <sstream>
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/error.h"
@@ -95,12 +96,26 @@ void PrintMaps(const MapResult& result, const nlohmann::json& report) {
   }
 }
 
+// One line: who they are; why is in the report.
+void PrintSwitchedOff(const nlohmann::json& list) {
+  if (list.empty()) return;
+  std::ostringstream names;
+  for (std::size_t k = 0; k < std::min<std::size_t>(list.size(), 5); ++k) {
+    names << (k > 0 ? ", " : "") << list[k]["kind"].get<std::string>() << " "
+          << list[k]["target"].get<std::string>();
+    if (list[k]["source"].is_string()) names << "-" << list[k]["source"].get<std::string>();
+  }
+  std::printf("%zu switched off: %s%s\n", list.size(), names.str().c_str(),
+              list.size() > 5 ? ", ..." : "");
+}
+
 void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::size_t used = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
   std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
               result.scans.size(), used, result.pairs.size(), result.components,
               result.components == 1 ? "" : "s", SecondsSinceStart());
+  PrintSwitchedOff(report["switched_off"]);
   PrintMaps(result, report);
   PrintEvaluation(report["evaluation"]);
   std::printf("results: %s\n", FLAGS_output_dir.c_str());

@@ -239,12 +239,18 @@ Matrix6d PositiveInverse(const Matrix6d& covariance) {
   return (covariance + 1e-12 * Matrix6d::Identity()).inverse();
 }
 
-void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph) {
+std::vector<Rigid3> PosesOf(const Graph& graph) {
+  std::vector<Rigid3> poses;
+  for (const auto& node : graph.poses) poses.push_back(node.world_from_node);
+  return poses;
+}
+
+void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph, bool robust) {
   for (const auto& step : odometry) {
     PoseFactor factor =
         MakeRelativePose(static_cast<int>(step.target), static_cast<int>(step.source),
                          step.target_from_source, PositiveInverse(step.covariance), "odometry");
-    factor.robust = true;
+    factor.robust = robust;
     graph->pose_factors.push_back(factor);
   }
 }

@@ -9,8 +9,10 @@ namespace planegraph {
 /// Its inverse, also where directions of it are (numerically) known exactly.
 Matrix6d PositiveInverse(const Matrix6d& covariance);
 
-/// Adds the odometry's steps as robust relative poses.
-void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph);
+/// Adds the odometry's steps as relative poses, robust ones as a rule.
+void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph, bool robust = true);
+
+std::vector<Rigid3> PosesOf(const Graph& graph);
 
 /// What the observations of each map count: see MapErrors and MapVarianceFactor.
 struct MapWeights {

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "pipeline/graph_building.h"
+#include "pipeline/registration_groups.h"
 #include "planegraph/base/disjoint_sets.h"
 #include "planegraph/base/median.h"
 #include "planegraph/solve/covariance.h"
@@ -17,22 +19,6 @@ namespace {
 constexpr double kFirstGate = 0.25, kLastGate = 0.05;  // metres
 constexpr double kFloorGate = 4.0;  // the last gate is at least this many noise floors
 const double kAcross = std::sin(3.0 * 3.14159265358979 / 180.0);
-
-Graph PosesOnly(const std::vector<Rigid3>& poses, const std::vector<int>& component) {
-  Graph graph;
-  std::set<int> seen;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    // Each component has a gauge of its own: its first scan.
-    graph.poses.push_back({std::to_string(i), poses[i], seen.insert(component[i]).second});
-  }
-  return graph;
-}
-
-std::vector<Rigid3> PosesOf(const Graph& graph) {
-  std::vector<Rigid3> poses;
-  for (const auto& node : graph.poses) poses.push_back(node.world_from_node);
-  return poses;
-}
 
 // What rest means: metres that a solve may still move a scan, seen from the first one of those
 // that registrations join it to, and these as a whole, where a map alone joins them to others: a
@@ -82,19 +68,22 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
   // pairs anew. Robust losses converge linearly; a millionth of the cost is microns of a pose.
   solve.max_iterations = last ? 25 : 5;
   solve.function_tolerance = last ? 1e-6 : 1e-4;
-  solve.collect_residuals = last;
+  solve.collect_residuals = last || IsGraduated(options.loss);
   solve.initial_radius = held_by_priors ? 1e10 : 1e4;
   return solve;
 }
 
 // Association and solve in turns until no pose moves at the last gate, or the rounds are used up.
 void Rounds(const JointProblem& problem, const MapOptions& options, const MapWeights& weights,
-            const Rest& rest, AssociationOptions* association, JointSolution* solution) {
+            const Rest& rest, AssociationOptions* association, JointSolution* solution,
+            GroupJudgement* judgement) {
   bool last = false;
   for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
     Graph graph = BuildGraph(problem, *solution, *association, weights);
+    if (judgement != nullptr) judgement->Apply(&graph);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     solution->costs.push_back(solution->summary.costs);
+    if (judgement != nullptr) judgement->Record(graph, solution->summary, options.loss);
     last = association->gate <= rest.last_gate &&
            Rests(PosesOf(graph), solution->world_from_scan, rest);
     TakeOver(std::move(graph), solution);
@@ -118,6 +107,16 @@ bool FinishSolve(const MapOptions& options, const Rest& rest, JointSolution* sol
   solution->summary.converged |= rests;
   TakeOver(std::move(solution->graph), solution);
   return rests;
+}
+
+// What is off says nothing of the covariances either.
+void ListSwitchedOff(const JointProblem& problem, const MapOptions& options,
+                     GroupJudgement* judgement, JointSolution* solution) {
+  solution->switched_off = MeasurementsOff(problem, solution->graph, solution->summary);
+  if (judgement == nullptr) return;
+  judgement->Record(solution->graph, solution->summary, options.loss);
+  for (auto& off : judgement->Off()) solution->switched_off.push_back(std::move(off));
+  RemoveSwitchedOff(solution->summary, &solution->graph);
 }
 
 // Information on a position in the world, one axis, 1/m^2.
@@ -281,30 +280,6 @@ std::vector<Rigid3> ChainPoses(const Site& site, const std::vector<ScanRecord>& 
   return poses;
 }
 
-std::vector<Rigid3> SolveRelativePoses(const std::vector<PairRecord>& pairs,
-                                       const std::vector<OdometryStep>& odometry,
-                                       std::vector<Rigid3> start, int) {
-  Graph graph = PosesOnly(start, Components(start.size(), pairs));
-  for (const auto& pair : pairs) {
-    if (!pair.used) continue;
-    PoseFactor factor =
-        MakeRelativePose(static_cast<int>(pair.target), static_cast<int>(pair.source),
-                         pair.registration.target_from_source(),
-                         PositiveInverse(pair.registration.refinement.covariance), "registration");
-    factor.robust = true;
-    graph.pose_factors.push_back(factor);
-  }
-  AddOdometry(odometry, &graph);
-  SolveOptions options;
-  options.pose_loss = ParseLoss("cauchy:2.4");
-  options.collect_residuals = false;
-  options.max_iterations = 20;
-  options.function_tolerance = 1e-4;  // a start for the association, no more
-  if (graph.pose_factors.empty()) return start;
-  Solve(&graph, options);
-  return PosesOf(graph);
-}
-
 JointSolution SolveJointly(const JointProblem& problem, const MapOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const Placement& placement = *problem.placement;
@@ -316,10 +291,13 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   AssociationOptions association = MeasuredAssociation(problem);
   association.gate = kFirstGate;
   const Rest rest = RestOf(problem, options, association);
+  const auto judgement =
+      IsGraduated(options.loss) ? std::make_unique<GroupJudgement>(problem) : nullptr;
   // The last solve may find that the quick ones before it had only come to rest too early.
   do {
-    Rounds(problem, options, weights, rest, &association, &solution);
+    Rounds(problem, options, weights, rest, &association, &solution, judgement.get());
   } while (!FinishSolve(options, rest, &solution) && solution.rounds < options.most_rounds);
+  ListSwitchedOff(problem, options, judgement.get(), &solution);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;
   solution.seconds =

@@ -8,6 +8,7 @@
 #include "planegraph/base/parallel.h"
 #include "planegraph/pipeline/joining.h"
 #include "planegraph/pipeline/joint_solve.h"
+#include "planegraph/pipeline/loop_consistency.h"
 #include "planegraph/solve/metascan.h"
 
 namespace planegraph {
@@ -90,7 +91,9 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   if (options.optimizer == "graph") AddNeighbours(models, poses, frames, options, result);
   if (result->maps.empty()) JoinRobots(models, options, &frames, &poses, result);
   if (options.optimizer == "graph") {
-    poses = SolveRelativePoses(result->pairs, result->odometry, poses, options.threads);
+    RefuseInconsistentLoops(result->scans, result->odometry, &result->pairs, &result->refused);
+    poses = SolveRelativePoses(result->scans, result->odometry, poses, options.loss, &result->pairs,
+                               &result->refused);
   }
   options.progress("registration", 1.0);
   return poses;
@@ -114,6 +117,9 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
     AddNeighbours(models, placement->world_from_scan, frames, options, result);
   }
   JoinRobots(models, options, &frames, &placement->world_from_scan, result);
+  if (options.optimizer == "graph") {
+    RefuseInconsistentLoops(result->scans, result->odometry, &result->pairs, &result->refused);
+  }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i] == kPlacedFrame) placement->placed[i] = true;
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/reference.h"
+#include "pipeline/switched_off_json.h"
 #include "planegraph/base/error.h"
 #include "planegraph/evaluation/trajectory_error.h"
 #include "planegraph/pipeline/outputs.h"
@@ -326,6 +327,7 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
       {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},
       {"solve", result.seconds.solve},          {"covariance", result.seconds.covariance},
       {"output", result.seconds.output}};
+  report["switched_off"] = SwitchedOffJson(result);
   report["configuration"] = ConfigurationJson(result, options);
   report["peak_memory_bytes"] = PeakMemoryBytes();
   return report.dump(1);

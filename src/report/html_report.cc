@@ -57,9 +57,9 @@ std::string RenderReport(const Json& report, const MergedMap& map, const ViewerI
          Section("3-D view", ViewerHtml(data, viewer)) + OpenDirectionsHtml(data) + MapsHtml(data) +
          EvaluationHtml(data) + ConsistencyHtml(data) + ScansHtml(data) +
          Section("Registrations", GraphHtml(data, frame) + RegistrationsHtml(data)) +
-         TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) + ConfigurationHtml(data) +
-         "</div>\n" + "</main>\n" + Footer(report) + ViewerScriptsHtml(data, viewer) +
-         "</body>\n</html>\n";
+         SwitchedOffHtml(data) + TimesHtml(data) + "<div class=\"pair\">\n" + SolveHtml(data) +
+         ConfigurationHtml(data) + "</div>\n" + "</main>\n" + Footer(report) +
+         ViewerScriptsHtml(data, viewer) + "</body>\n</html>\n";
 }
 
 void WriteHtmlReport(const std::string& folder) {

@@ -14,6 +14,8 @@ std::string HeaderHtml(const ReportData& data);
 std::string OpenDirectionsHtml(const ReportData& data);
 std::string ScansHtml(const ReportData& data);
 std::string RegistrationsHtml(const ReportData& data);
+/// Registrations and measurements that take no part, and why.
+std::string SwitchedOffHtml(const ReportData& data);
 std::string MapsHtml(const ReportData& data);
 std::string EvaluationHtml(const ReportData& data);
 /// How the errors against the reference compare with the covariances.

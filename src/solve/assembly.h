@@ -23,6 +23,11 @@ struct Residual {
   ceres::LossFunction* loss = nullptr;  ///< with the weight in it; null: squared, weight 1
 };
 
+/// Whether the residual is that of a whole plane, which is an unknown within it.
+inline bool HidesPlane(const Residual& residual) {
+  return residual.tag.plane >= 0 && residual.tag.observation < 0;
+}
+
 /// Residuals that a graduated loss weighs as one.
 struct SwitchGroup {
   const LossSpec* loss = nullptr;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "solve/assembly.h"
+#include "solve/group_switch.h"
 
 namespace planegraph {
 namespace {
@@ -144,11 +145,6 @@ std::vector<ResidualReport> CollectResiduals(Assembly* assembly) {
   return reports;
 }
 
-// Whether the residual is that of a whole plane, which is an unknown within it.
-bool HidesPlane(const Residual& residual) {
-  return residual.tag.plane >= 0 && residual.tag.observation < 0;
-}
-
 // Of the first solve the initial cost, of the last one all else.
 void Fill(const ceres::Solver::Summary& ceres_summary, SolveSummary* summary) {
   if (summary->residual_count == 0) summary->initial_cost = ceres_summary.initial_cost;
@@ -207,13 +203,11 @@ class Minimizer {
 class Graduation {
  public:
   Graduation(const SolveOptions& options, Assembly* assembly)
-      : assembly_(assembly),
-        planes_(KernelOf(options.plane_loss), 1.0),
-        poses_(KernelOf(options.pose_loss), 1.0) {
+      : planes_(KernelOf(options.plane_loss), 1.0), poses_(KernelOf(options.pose_loss), 1.0) {
     for (const SwitchGroup& group : assembly->switch_groups()) {
       const Residual& first = assembly->residuals()[group.residuals.front()];
       is_plane_.push_back(first.tag.plane >= 0 || first.tag.plane_factor >= 0);
-      limits_.push_back(LimitOf(*assembly, group));
+      switches_.emplace_back(group, assembly);
     }
     Measure();
     planes_.Start(chi2_[1]);
@@ -223,15 +217,10 @@ class Graduation {
   bool Finished() const { return planes_.Finished() && poses_.Finished(); }
 
   void SetWeights(bool final) {
-    std::array<std::size_t, 2> next = {0, 0};
-    for (std::size_t g = 0; g < is_plane_.size(); ++g) {
-      const SwitchGroup& group = assembly_->switch_groups()[g];
+    for (std::size_t g = 0; g < switches_.size(); ++g) {
       const GncSchedule& schedule = is_plane_[g] ? planes_ : poses_;
-      const double chi2 = chi2_[is_plane_[g]][next[is_plane_[g]]++];
-      const double weight = final ? schedule.FinalWeight(chi2) : schedule.Weight(chi2);
-      for (std::size_t k = 0; k < group.switches.size(); ++k) {
-        group.switches[k]->Set(weight * assembly_->residuals()[group.residuals[k]].weight);
-      }
+      switches_[g].SetWeights(
+          [&](double chi2) { return final ? schedule.FinalWeight(chi2) : schedule.Weight(chi2); });
     }
   }
 
@@ -243,37 +232,15 @@ class Graduation {
 
   void Measure() {
     chi2_ = {};
-    for (std::size_t g = 0; g < is_plane_.size(); ++g) {
-      const SwitchGroup& group = assembly_->switch_groups()[g];
-      double sum = 0.0;
-      for (const int index : group.residuals) {
-        const Residual& residual = assembly_->residuals()[index];
-        sum += assembly_->Chi2(residual, nullptr) * (HidesPlane(residual) ? residual.weight : 1.0);
-      }
-      chi2_[is_plane_[g]].push_back(sum / limits_[g]);
+    for (std::size_t g = 0; g < switches_.size(); ++g) {
+      switches_[g].Measure(&chi2_[is_plane_[g]]);
     }
   }
 
  private:
-  // What the chi2 of a group may add up to. A group is right or wrong as one: the quantile is that
-  // of all of its degrees of freedom, not the sum of its members'.
-  static double LimitOf(const Assembly& assembly, const SwitchGroup& group) {
-    int degrees = 0;
-    double residuals = 0.0;  // `eliminated` has the mean of as many as its weight
-    for (const int index : group.residuals) {
-      const Residual& residual = assembly.residuals()[index];
-      const bool hides = HidesPlane(residual);
-      degrees += residual.cost->num_residuals() - (hides ? kPlaneTangent : 0);
-      residuals += hides ? residual.weight : 1.0;
-    }
-    const double limit = GraduatedThreshold(*group.loss, degrees);
-    return group.loss->scale > 0.0 ? residuals * limit : limit;
-  }
-
-  Assembly* assembly_;
   GncSchedule planes_, poses_;
-  std::vector<bool> is_plane_;               // of each group
-  std::vector<double> limits_;               // of each group's chi2
+  std::vector<bool> is_plane_;  // of each group
+  std::vector<GroupSwitch> switches_;
   std::array<std::vector<double>, 2> chi2_;  // of pose factors, of planes
 };
 

@@ -88,6 +88,37 @@ TEST(GraduatedSolve, AGroupIsSwitchedAsOne) {
     }
   }
 }
+
+// One wrong plane does not condemn its registration, nor does it pull at it.
+TEST_P(GraduatedLoss, WithinAGroupThatIsRightWrongOnesAreOffAlone) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PlaneWorld world({.poses = 6, .planes = 60, .seen_share = 0.9, .noise = 0.3, .seed = seed});
+    Graph clean = world.truth();
+    Solve(&clean);
+    Graph graph = world.truth();
+    std::set<std::pair<int, int>> wrong;
+    int members = 0;
+    for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
+      auto& observations = graph.planes[k].observations;
+      for (int j = 0; j < static_cast<int>(observations.size()); ++j) {
+        PlaneObservation& seen = observations[j];
+        if (seen.pose != 4) continue;
+        seen.group = 7;
+        if (++members % 4 != 0 || observations.size() < 4) continue;
+        seen.centroid += 1.5 * seen.axes.col(0);
+        wrong.insert({k, j});
+      }
+    }
+    ASSERT_GT(wrong.size(), 5u);
+    const SolveSummary summary = Solve(&graph, Graduated(GetParam()));
+    EXPECT_LT(LargestPoseDifference(graph, clean), 0.01) << seed;
+    for (const ResidualReport& report : summary.residuals) {
+      const bool is_wrong = wrong.count({report.tag.plane, report.tag.observation}) > 0;
+      EXPECT_EQ(report.weight < 0.1, is_wrong) << report.chi2;
+    }
+  }
+}
+
 TEST(GraduatedSolve, FalseRelativePosesAreSwitchedOffWithTheirGroups) {
   Graph graph;
   const Rigid3 step(ExpSO3({0, 0, 0.2}), {1, 0, 0});

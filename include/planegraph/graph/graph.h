@@ -46,8 +46,8 @@ struct PlaneObservation {
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();  ///< of their scatter, increasing, m^2
   int user_tag = -1;                                      ///< the caller's: segment, registration
   /// Observations of one group (>= 0) are right or wrong together, say those of one registration:
-  /// graduated losses give them one weight, by the sum of their chi2 against the quantile for all
-  /// of their degrees of freedom. -1: each by itself.
+  /// graduated losses switch them as one, each truncated by itself first, so that a group stays
+  /// while fewer than half of it are wrong, and these alone are off. -1: each by itself.
   int group = -1;
   /// The points themselves (node's frame), for the reference factor `raw_points` alone; mostly
   /// null.

@@ -12,10 +12,15 @@ std::vector<Rigid3> ChainPoses(const Site& site, const std::vector<ScanRecord>& 
                                const std::vector<PairRecord>& pairs,
                                const std::vector<OdometryStep>& odometry);
 
-/// Poses that agree best with all used registrations: a pose graph of relative poses, robust.
-std::vector<Rigid3> SolveRelativePoses(const std::vector<PairRecord>& pairs,
+/// Poses that agree best with all used registrations: a pose graph of relative poses, robust. With
+/// a graduated `loss` odometry is trusted, loops that are right or wrong together (GroupClosures)
+/// have one weight, and registrations that end without one are taken out of `pairs`, as
+/// `ambiguous`, and listed in *off.
+std::vector<Rigid3> SolveRelativePoses(const std::vector<ScanRecord>& scans,
                                        const std::vector<OdometryStep>& odometry,
-                                       std::vector<Rigid3> start, int threads);
+                                       std::vector<Rigid3> start, const LossSpec& loss,
+                                       std::vector<PairRecord>* pairs,
+                                       std::vector<SwitchedOff>* off);
 
 /// What the joint solve starts from: scans, their registrations to each other and to the maps, and
 /// where everything stands so far.

@@ -10,6 +10,7 @@
 #include "planegraph/pipeline/map_matching.h"
 #include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/pipeline/site.h"
+#include "planegraph/pipeline/switched_off.h"
 #include "planegraph/solve/association.h"
 #include "planegraph/solve/marginal_graph.h"
 #include "planegraph/solve/solver.h"
@@ -44,6 +45,7 @@ struct JointSolution {
   SolveSummary summary;
   std::vector<std::vector<double>> costs;  ///< of every solve: each has an association of its own
   double floor_offset = 0.0, floor_tilt = 0.0;  ///< noise floors measured between scans
+  std::vector<SwitchedOff> switched_off;        ///< by the loss of the last solves
   int rounds = 0;
   double last_move = 0.0;  ///< metres: how far the last solve moved a pose at most
   double seconds = 0.0;
@@ -62,6 +64,7 @@ struct MapResult {
   std::vector<MapRecord> maps;
   std::vector<MapPairRecord> map_pairs;
   std::vector<RobotPosition> robot_positions;  ///< by GPS, world
+  std::vector<SwitchedOff> refused;            ///< registrations, before the joint solve
   JointSolution solution;
   std::vector<Matrix6d> covariances;                  ///< by scan; NaN where infinite
   std::vector<Matrix7d> map_covariances;              ///< by map, of world_from_map
