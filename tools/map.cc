@@ -95,6 +95,14 @@ void PrintMaps(const MapResult& result, const nlohmann::json& report) {
   }
 }
 
+// What the planes leave open, each motion once for all scans that share it.
+void PrintOpenMotions(const nlohmann::json& observability) {
+  if (!observability.is_object()) return;
+  for (const auto& motion : observability["motions"]) {
+    std::printf("%s\n", motion["text"].get<std::string>().c_str());
+  }
+}
+
 void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::size_t used = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
@@ -102,6 +110,7 @@ void PrintSummary(const MapResult& result, const nlohmann::json& report) {
               result.scans.size(), used, result.pairs.size(), result.components,
               result.components == 1 ? "" : "s", SecondsSinceStart());
   PrintMaps(result, report);
+  PrintOpenMotions(report["observability"]);
   PrintEvaluation(report["evaluation"]);
   std::printf("results: %s\n", FLAGS_output_dir.c_str());
 }
