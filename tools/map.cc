@@ -109,6 +109,14 @@ void PrintSwitchedOff(const nlohmann::json& list) {
               list.size() > 5 ? ", ..." : "");
 }
 
+// What the planes leave open, each motion once for all scans that share it.
+void PrintOpenMotions(const nlohmann::json& observability) {
+  if (!observability.is_object()) return;
+  for (const auto& motion : observability["motions"]) {
+    std::printf("%s\n", motion["text"].get<std::string>().c_str());
+  }
+}
+
 void PrintSummary(const MapResult& result, const nlohmann::json& report) {
   std::size_t used = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
@@ -117,6 +125,7 @@ void PrintSummary(const MapResult& result, const nlohmann::json& report) {
               result.components == 1 ? "" : "s", SecondsSinceStart());
   PrintSwitchedOff(report["switched_off"]);
   PrintMaps(result, report);
+  PrintOpenMotions(report["observability"]);
   PrintEvaluation(report["evaluation"]);
   std::printf("results: %s\n", FLAGS_output_dir.c_str());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/observability_json.h"
 #include "pipeline/reference.h"
 #include "pipeline/switched_off_json.h"
 #include "planegraph/base/error.h"
@@ -322,6 +323,7 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
   for (std::size_t m = 0; m < result.maps.size(); ++m) report["maps"].push_back(MapJson(result, m));
   for (std::size_t r = 0; r < result.site.robots.size(); ++r) Evaluate(result, r, &report);
   report["reference"] = ReferenceJson(result);
+  report["observability"] = ObservabilityJson(result);
   report["stage_seconds"] = {
       {"front_end", result.seconds.front_end},  {"maps", result.seconds.maps},
       {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},

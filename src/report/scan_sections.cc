@@ -28,10 +28,21 @@ std::string OpenItems(const ReportData& data, std::size_t* count) {
   return items;
 }
 
-std::string FoldedList(const std::string& items, std::size_t count, const std::string& summary) {
-  constexpr std::size_t kMostOpen = 12;
+// The motions that the planes of the whole graph leave open, in words.
+std::string OpenMotions(const Json& json) {
+  std::string items;
+  for (const Json& motion : ListAt(json, {"observability", "motions"})) {
+    const std::string text = TextAt(motion, {"text"});
+    if (!text.empty()) items += "<li>" + Escape(text) + "</li>\n";
+  }
+  return items.empty() ? "" : "<ul class=\"words\">\n" + items + "</ul>\n";
+}
+
+std::string FoldedList(const std::string& items, std::size_t count, const std::string& summary,
+                       std::size_t most_open) {
+  if (count == 0) return "";
   const std::string list = "<ul class=\"words\">\n" + items + "</ul>\n";
-  if (count <= kMostOpen) return list;
+  if (count <= most_open) return list;
   return "<details><summary>" + Escape(summary) + "</summary>\n" + list + "</details>\n";
 }
 
@@ -168,11 +179,13 @@ void AddRegistration(const Json& r, HtmlTable* table) {
 
 std::string OpenDirectionsHtml(const ReportData& data) {
   std::size_t count = 0;
-  const std::string items = OpenItems(data, &count);
+  const std::string items = OpenItems(data, &count), motions = OpenMotions(*data.json);
   if (data.scans.empty()) return "";
-  const std::string open =
-      count == 0 ? "<p>None: the planes hold every scan in all six directions.</p>\n"
-                 : FoldedList(items, count, Grouped(static_cast<double>(count)) + " directions");
+  const std::string all = Grouped(static_cast<double>(count)) + " directions of single scans";
+  // What many scans share stands once; the scans one by one can be unfolded.
+  const std::string open = count == 0 && motions.empty()
+                               ? "<p>None: the planes hold every scan in all six directions.</p>\n"
+                               : motions + FoldedList(items, count, all, motions.empty() ? 12 : 0);
   return Section("Directions that the planes leave open", open) +
          Section("Warnings", WarningsHtml(*data.json));
 }

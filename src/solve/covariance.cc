@@ -1,12 +1,14 @@
 #include "planegraph/solve/covariance.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <utility>
 
 #include "planegraph/geometry/rotation.h"
-#include "solve/pose_system.h"
+#include "solve/open_motions.h"
+#include "solve/quantity.h"
 
 namespace planegraph {
 namespace {
@@ -14,42 +16,35 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A quantity of six dimensions, linear in the perturbations of the poses and maps: its derivative
-// (rows: 6 for each pose, then 7 for each map), and the poses whose scales tell when a variance of
-// it is infinite.
-struct Quantity {
-  MatrixXd by_poses;
-  std::vector<int> scale_poses;
-};
-
-Eigen::Index Dimensions(const Graph& graph) {
-  return static_cast<Eigen::Index>(6 * graph.poses.size() + 7 * graph.maps.size());
-}
-
-Quantity PoseQuantity(const Graph& graph, int pose) {
-  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), {pose}};
-  quantity.by_poses.middleCols<6>(6 * pose).setIdentity();
-  return quantity;
-}
+Quantity PoseQuantity(int pose) { return {{pose, Matrix6d::Identity()}}; }
 
 // target_from_source in the target's axes: x = R_t^T (x_s - x_t - r_t x d), r = R_t^T (r_s - r_t).
 Quantity RelativeQuantity(const Graph& graph, int target, int source) {
   const Rigid3& a = graph.poses[target].world_from_node;
   const Rigid3& b = graph.poses[source].world_from_node;
   const Matrix3d to_target = a.rotation.toRotationMatrix().transpose();
-  Quantity quantity{MatrixXd::Zero(6, Dimensions(graph)), {source, target}};
   Matrix6d by_source = Matrix6d::Zero();
   by_source.topLeftCorner<3, 3>() = to_target;
   by_source.bottomRightCorner<3, 3>() = to_target;
   Matrix6d by_target = -by_source;
   by_target.topRightCorner<3, 3>() = to_target * Hat(b.translation - a.translation);
-  quantity.by_poses.middleCols<6>(6 * source) += by_source;
-  quantity.by_poses.middleCols<6>(6 * target) += by_target;
-  return quantity;
+  return {{target, by_target}, {source, by_source}};
+}
+
+MatrixXd Symmetric(const MatrixXd& matrix) { return 0.5 * (matrix + matrix.transpose()); }
+
+void SetUnknown(const PoseSystem& system, const Quantity& quantity, Eigen::Index first,
+                MatrixXd* covariance) {
+  for (Eigen::Index k = first; k < first + 6; ++k) {
+    if ((*covariance)(k, k) <= InfiniteVariance(system, quantity, k - first >= 3)) continue;
+    covariance->row(k).setConstant(kNotANumber);
+    covariance->col(k).setConstant(kNotANumber);
+  }
 }
 
 }  // namespace
@@ -58,46 +53,57 @@ class GraphCovariance::Implementation {
  public:
   Implementation(const Graph& graph, const SolveOptions& options,
                  const CovarianceOptions& covariance_options)
-      : graph_(graph), options_(covariance_options) {
-    const LinearizedGraph linear = LinearizeGraph(graph, options);
+      : graph_(graph),
+        options_(covariance_options),
+        linear_(LinearizeGraph(graph, options)),
+        groups_(linear_) {
     PoseInformation information(graph.poses.size());
-    AddAllPlaneInformation(linear, &information);
+    AddAllPlaneInformation(linear_, &information);
     planes_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, false));
-    for (const auto& factor : linear.pose_factors) AddPoseFactorInformation(factor, &information);
+    plane_information_ = std::make_unique<PoseInformation>(information);
+    for (const auto& factor : linear_.pose_factors) AddPoseFactorInformation(factor, &information);
     all_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, true));
-    pose_factors_ = linear.pose_factors;
   }
 
   const Graph& graph() const { return graph_; }
+  const CovarianceOptions& options() const { return options_; }
 
-  // Of several quantities, one after the other.
-  MatrixXd Covariance(const std::vector<Quantity>& quantities) const {
+  Matrix6d Covariance(const Quantity& quantity) const {
+    MatrixXd covariance = CovarianceOf(*all_, quantity);
+    SetUnknown(*all_, quantity, 0, &covariance);
+    return covariance;
+  }
+
+  // Of several quantities of six dimensions, one after the other.
+  MatrixXd JointCovariance(const std::vector<Quantity>& quantities) const {
     const auto count = static_cast<Eigen::Index>(quantities.size());
-    MatrixXd by_poses(6 * count, Dimensions(graph_));
+    MatrixXd gradients(all_->rows(), 6 * count);
     for (Eigen::Index q = 0; q < count; ++q) {
-      by_poses.middleRows<6>(6 * q) = quantities[q].by_poses;
+      gradients.middleCols<6>(6 * q) = Gradient(*all_, quantities[q]);
     }
-    MatrixXd covariance = Raw(*all_, by_poses);
-    for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
-      if (covariance(k, k) <= Limit(*all_, quantities[k / 6], k % 6 >= 3)) continue;
-      covariance.row(k).setConstant(kNotANumber);
-      covariance.col(k).setConstant(kNotANumber);
-    }
+    MatrixXd covariance = Symmetric(gradients.transpose() * all_->Solve(gradients));
+    for (Eigen::Index q = 0; q < count; ++q) SetUnknown(*all_, quantities[q], 6 * q, &covariance);
     return covariance;
   }
 
   Matrix7d MapCovariance(int map) const {
-    const Eigen::Index first =
-        Dimensions(graph_) - 7 * static_cast<int>(graph_.maps.size()) + 7 * map;
-    MatrixXd by_nodes = MatrixXd::Zero(7, Dimensions(graph_));
-    by_nodes.middleCols<7>(first).setIdentity();
-    const Matrix7d covariance = by_nodes * all_->Solve(by_nodes.transpose());
-    return 0.5 * (covariance + covariance.transpose());
+    const int node = static_cast<int>(graph_.poses.size()) + map;
+    return Symmetric(all_->Block(node, node));
+  }
+
+  // What the observations alone leave, and what of the poses' errors goes through.
+  Matrix3d PlaneCovariance(int plane) const {
+    const PoseInformation nodes(graph_.poses.size());
+    const PlaneElimination elimination = EliminatePlane(groups_.Residuals(plane), nodes, plane);
+    if (!elimination.determined) return Matrix3d::Constant(kNotANumber);
+    Matrix3d covariance = elimination.covariance;
+    if (!elimination.by_nodes.empty()) covariance += CovarianceOf(*all_, elimination.by_nodes);
+    return covariance;
   }
 
   std::vector<UnobservedDirection> Unobserved(const Quantity& quantity) const {
     std::vector<UnobservedDirection> found;
-    const Matrix6d by_planes = Raw(*planes_, quantity.by_poses);
+    const Matrix6d by_planes = CovarianceOf(*planes_, quantity);
     for (const bool rotation : {false, true}) {
       const double threshold =
           rotation ? options_.rotation_threshold : options_.translation_threshold;
@@ -114,18 +120,61 @@ class GraphCovariance::Implementation {
     return found;
   }
 
- private:
-  static MatrixXd Raw(const PoseSystem& system, const MatrixXd& by_poses) {
-    const MatrixXd covariance = by_poses * system.Solve(by_poses.transpose());
-    return 0.5 * (covariance + covariance.transpose());
+  std::vector<OpenMotion> OpenMotions() const {
+    std::vector<OpenMotion> motions = FindOpenMotions(graph_, *plane_information_, options_);
+    for (OpenMotion& motion : motions) SetSigma(&motion);
+    return motions;
   }
 
-  static double Limit(const PoseSystem& system, const Quantity& quantity, bool rotation) {
-    double limit = kInfinity;
-    for (const int pose : quantity.scale_poses) {
-      limit = std::min(limit, system.InfiniteVariance(pose, rotation));
+ private:
+  // The largest of the motion's sigmas over the nodes that share it: over so many of them at most.
+  void SetSigma(OpenMotion* motion) const {
+    constexpr std::size_t kMost = 64;
+    motion->sigma = 0.0;
+    const std::vector<int> nodes = SharingNodes(*motion);
+    const std::size_t step = (nodes.size() + kMost - 1) / kMost;
+    for (std::size_t k = 0; k < nodes.size(); k += step) {
+      const Quantity quantity = MotionQuantity(*motion, nodes[k]);
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(CovarianceOf(*all_, quantity));
+      const double variance = solver.eigenvalues()[solver.eigenvalues().size() - 1];
+      const bool rotation = motion->kind == MotionKind::kRotation;
+      // Where the gauge holds both, each is the world of its own part.
+      const bool infinite =
+          variance > InfiniteVariance(*all_, quantity, rotation) || variance <= 0.0;
+      const double sigma = infinite ? kInfinity : std::sqrt(variance);
+      if (sigma <= motion->sigma) continue;
+      motion->sigma = sigma;
+      motion->node = nodes[k];
+      const VectorXd worst = solver.eigenvectors().rightCols<1>();
+      motion->held_by = infinite ? ""
+                                 : HolderOf(graph_, linear_, *all_,
+                                            all_->Solve(Gradient(*all_, quantity) * worst));
     }
-    return limit;
+  }
+
+  Quantity MotionQuantity(const OpenMotion& motion, int node) const {
+    if (motion.kind == MotionKind::kScale) {
+      return {{node, Eigen::RowVectorXd::Unit(7, 6)}};
+    }
+    MatrixXd axes = Matrix3d::Identity();
+    if (!motion.axes.empty()) axes.resize(3, static_cast<Eigen::Index>(motion.axes.size()));
+    for (std::size_t k = 0; k < motion.axes.size(); ++k) {
+      axes.col(static_cast<Eigen::Index>(k)) = motion.axes[k];
+    }
+    const int first = motion.kind == MotionKind::kRotation ? 3 : 0;
+    const SeenMotion seen = MotionSeenFrom(graph_, motion.reference, node);
+    return {{motion.reference, axes.transpose() * seen.by_i.middleRows<3>(first)},
+            {node, axes.transpose() * seen.by_k.middleRows<3>(first)}};
+  }
+
+  static std::vector<int> SharingNodes(const OpenMotion& motion) {
+    if (motion.parts.size() < 2) return {motion.node};
+    std::vector<int> nodes;
+    for (const auto& part : motion.parts) {
+      if (std::find(part.begin(), part.end(), motion.reference) != part.end()) continue;
+      nodes.insert(nodes.end(), part.begin(), part.end());
+    }
+    return nodes;
   }
 
   UnobservedDirection Describe(const Quantity& quantity, Vector6d direction, bool rotation) const {
@@ -133,49 +182,21 @@ class GraphCovariance::Implementation {
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);
     if (direction[largest] < 0.0) direction = -direction;
-    const Eigen::VectorXd gradient = quantity.by_poses.transpose() * direction;
-    const Eigen::VectorXd response = all_->Solve(gradient);
+    const VectorXd gradient = Gradient(*all_, quantity) * direction;
+    const VectorXd response = all_->Solve(gradient);
     const double variance = gradient.dot(response);
     UnobservedDirection result{direction, kInfinity, ""};
-    if (variance > Limit(*all_, quantity, rotation)) return result;
+    if (variance > InfiniteVariance(*all_, quantity, rotation)) return result;
     result.sigma = std::sqrt(std::max(variance, 0.0));
-    result.held_by = Holder(response);
+    result.held_by = HolderOf(graph_, linear_, *all_, response);
     return result;
-  }
-
-  // The variance g^T H^-1 g is x^T H x with x = H^-1 g, and H is the sum of its factors: each has
-  // its share in holding the direction.
-  std::string Holder(const Eigen::VectorXd& response) const {
-    std::map<std::string, double> shares;
-    for (const LinearizedPoseFactor& factor : pose_factors_) {
-      Eigen::VectorXd moved = Eigen::VectorXd::Zero(factor.jacobians[0].rows());
-      for (std::size_t k = 0; k < factor.blocks.size(); ++k) {
-        moved += factor.jacobians[k] *
-                 response.segment(FirstRow(factor.blocks[k]), factor.jacobians[k].cols());
-      }
-      shares[SourceOf(factor)] += moved.squaredNorm();
-    }
-    std::string holder;
-    double best = 0.0;
-    for (const auto& [source, share] : shares) {
-      if (share > best) holder = source, best = share;
-    }
-    return holder;
-  }
-
-  Eigen::Index FirstRow(const BlockRef& block) const {
-    const auto poses = static_cast<Eigen::Index>(graph_.poses.size());
-    return block.kind == BlockKind::kMap ? 6 * poses + 7 * block.index : 6 * block.index;
-  }
-
-  const std::string& SourceOf(const LinearizedPoseFactor& factor) const {
-    return factor.tag.map_factor >= 0 ? graph_.map_factors[factor.tag.map_factor].source
-                                      : graph_.pose_factors[factor.tag.pose_factor].source;
   }
 
   Graph graph_;
   CovarianceOptions options_;
-  std::vector<LinearizedPoseFactor> pose_factors_;
+  LinearizedGraph linear_;
+  PlaneGroups groups_;
+  std::unique_ptr<PoseInformation> plane_information_;
   std::unique_ptr<PoseSystem> planes_, all_;
 };
 
@@ -188,25 +209,33 @@ GraphCovariance::GraphCovariance(const Graph& graph, const SolveOptions& options
 GraphCovariance::~GraphCovariance() = default;
 
 Matrix6d GraphCovariance::Pose(int pose) const {
-  return implementation_->Covariance({PoseQuantity(implementation_->graph(), pose)});
+  return implementation_->Covariance(PoseQuantity(pose));
 }
 
 Matrix6d GraphCovariance::Relative(int target, int source) const {
-  return implementation_->Covariance({RelativeQuantity(implementation_->graph(), target, source)});
+  return implementation_->Covariance(RelativeQuantity(implementation_->graph(), target, source));
 }
 
-Eigen::MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources) const {
+MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources) const {
   std::vector<Quantity> quantities;
   for (const int source : sources) {
     quantities.push_back(RelativeQuantity(implementation_->graph(), target, source));
   }
-  return implementation_->Covariance(quantities);
+  return implementation_->JointCovariance(quantities);
 }
 
 Matrix7d GraphCovariance::Map(int map) const { return implementation_->MapCovariance(map); }
 
+Matrix3d GraphCovariance::Plane(int plane) const { return implementation_->PlaneCovariance(plane); }
+
+std::vector<OpenMotion> GraphCovariance::OpenMotions() const {
+  return implementation_->OpenMotions();
+}
+
+const CovarianceOptions& GraphCovariance::options() const { return implementation_->options(); }
+
 std::vector<UnobservedDirection> GraphCovariance::Unobserved(int pose) const {
-  return implementation_->Unobserved(PoseQuantity(implementation_->graph(), pose));
+  return implementation_->Unobserved(PoseQuantity(pose));
 }
 
 std::vector<UnobservedDirection> GraphCovariance::UnobservedRelative(int target, int source) const {

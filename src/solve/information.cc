@@ -3,7 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "planegraph/base/disjoint_sets.h"
 
 namespace planegraph {
 namespace {
@@ -67,6 +68,7 @@ class GroupSystem {
   // First row and dimension of each node in the reduction.
   const std::map<int, std::pair<int, int>>& nodes() const { return nodes_; }
   Eigen::MatrixXd Reduction() const { return -h_lp_.transpose() * PseudoInverse(h_ll_) * h_lp_; }
+  PlaneElimination Eliminate(int plane) const;
 
  private:
   void Place(const PlaneResidual& residual, const PoseInformation& nodes) {
@@ -102,20 +104,22 @@ class GroupSystem {
   Eigen::MatrixXd h_ll_, h_lp_;
 };
 
-// Of each plane the first one of those that plane factors tie together.
-std::vector<std::size_t> GroupsOfPlanes(const LinearizedGraph& linear) {
-  std::vector<std::size_t> root(linear.planes.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::size_t k) {
-    while (root[k] != k) k = root[k] = root[root[k]];
-    return k;
-  };
-  for (const PlaneResidual& tie : linear.plane_factors) {
-    const std::size_t a = find(tie.blocks[0].index), b = find(tie.blocks[1].index);
-    root[std::max(a, b)] = std::min(a, b);
+PlaneElimination GroupSystem::Eliminate(int plane) const {
+  PlaneElimination elimination;
+  const auto place = place_.find(plane);
+  if (place == place_.end()) return elimination;
+  const Eigen::MatrixXd rows = PseudoInverse(h_ll_).middleRows<3>(place->second);
+  elimination.covariance = rows.middleCols<3>(place->second);
+  // Where nothing is missing, the pseudo-inverse is the inverse.
+  const Eigen::MatrixXd unit = rows * h_ll_;
+  Eigen::MatrixXd missing = -unit;
+  missing.middleCols<3>(place->second) += Matrix3d::Identity();
+  elimination.determined = missing.cwiseAbs().maxCoeff() < 1e-3;
+  const Eigen::MatrixXd by_nodes = -rows * h_lp_;
+  for (const auto& [node, at] : nodes_) {
+    elimination.by_nodes.emplace_back(node, by_nodes.middleCols(at.first, at.second));
   }
-  for (std::size_t k = 0; k < root.size(); ++k) root[k] = find(k);
-  return root;
+  return elimination;
 }
 
 }  // namespace
@@ -173,23 +177,51 @@ void AddPlaneGroupInformation(const std::vector<const PlaneResidual*>& residuals
   }
 }
 
-void AddAllPlaneInformation(const LinearizedGraph& linear, PoseInformation* information) {
-  const std::vector<std::size_t> group = GroupsOfPlanes(linear);
-  std::map<std::size_t, std::vector<const PlaneResidual*>> groups;
+PlaneGroups::PlaneGroups(const LinearizedGraph& linear)
+    : linear_(linear), planes_(linear.planes.size()), ties_(linear.planes.size()) {
+  DisjointSets sets(linear.planes.size());
   for (const PlaneResidual& tie : linear.plane_factors) {
-    groups[group[tie.blocks[0].index]].push_back(&tie);
+    sets.Join(tie.blocks[0].index, tie.blocks[1].index);
   }
   for (std::size_t k = 0; k < linear.planes.size(); ++k) {
-    std::vector<const PlaneResidual*> own;
-    for (const PlaneResidual& residual : linear.planes[k]) own.push_back(&residual);
-    const auto tied = groups.find(group[k]);
-    if (tied == groups.end()) {
-      AddPlaneInformation(own, 1.0, information);
+    group_.push_back(sets.Find(k));
+    planes_[group_[k]].push_back(k);
+  }
+  for (std::size_t t = 0; t < linear.plane_factors.size(); ++t) {
+    ties_[group_[linear.plane_factors[t].blocks[0].index]].push_back(t);
+  }
+}
+
+std::vector<const PlaneResidual*> PlaneGroups::Residuals(int plane) const {
+  std::vector<const PlaneResidual*> residuals;
+  for (const std::size_t t : ties_[group_[plane]]) residuals.push_back(&linear_.plane_factors[t]);
+  for (const std::size_t k : planes_[group_[plane]]) {
+    for (const PlaneResidual& residual : linear_.planes[k]) residuals.push_back(&residual);
+  }
+  return residuals;
+}
+
+bool PlaneGroups::IsFirst(int plane) const {
+  return group_[plane] == static_cast<std::size_t>(plane);
+}
+
+bool PlaneGroups::IsTied(int plane) const { return !ties_[group_[plane]].empty(); }
+
+PlaneElimination EliminatePlane(const std::vector<const PlaneResidual*>& residuals,
+                                const PoseInformation& nodes, int plane) {
+  return GroupSystem(residuals, nodes).Eliminate(plane);
+}
+
+void AddAllPlaneInformation(const LinearizedGraph& linear, PoseInformation* information) {
+  const PlaneGroups groups(linear);
+  for (int k = 0; k < static_cast<int>(linear.planes.size()); ++k) {
+    if (!groups.IsFirst(k)) continue;
+    if (groups.IsTied(k)) {
+      AddPlaneGroupInformation(groups.Residuals(k), information);
     } else {
-      tied->second.insert(tied->second.end(), own.begin(), own.end());
+      AddPlaneInformation(groups.Residuals(k), 1.0, information);
     }
   }
-  for (const auto& [first, residuals] : groups) AddPlaneGroupInformation(residuals, information);
 }
 
 void AddPoseFactorInformation(const LinearizedPoseFactor& factor, PoseInformation* information) {

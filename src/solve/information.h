@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <map>
 #include <utility>
 #include <vector>
@@ -63,6 +64,33 @@ struct LinearizedGraph {
   std::vector<LinearizedPoseFactor> pose_factors;
 };
 LinearizedGraph LinearizeGraph(const Graph& graph, const SolveOptions& options);
+
+/// The planes that are eliminated together: each by itself, or as plane factors tie them. Points
+/// into the linearized graph, which has to live as long.
+class PlaneGroups {
+ public:
+  explicit PlaneGroups(const LinearizedGraph& linear);
+  /// All residuals of a plane and of those that are tied to it, the factors between them first.
+  std::vector<const PlaneResidual*> Residuals(int plane) const;
+  bool IsFirst(int plane) const;  ///< of its group
+  bool IsTied(int plane) const;
+
+ private:
+  const LinearizedGraph& linear_;
+  std::vector<std::size_t> group_;                       // of each plane, its first plane
+  std::vector<std::vector<std::size_t>> planes_, ties_;  // of each group, by its first plane
+};
+
+/// What a plane (its tangent: two of the normal, the offset) is, given the nodes that see it.
+struct PlaneElimination {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< with all nodes held
+  bool determined = false;
+  /// How it moves with each node: 3 x 6, or 3 x 7 of a map.
+  std::vector<std::pair<int, Eigen::MatrixXd>> by_nodes;
+};
+/// `residuals`: those of its group.
+PlaneElimination EliminatePlane(const std::vector<const PlaneResidual*>& residuals,
+                                const PoseInformation& nodes, int plane);
 
 /// Adds the information of all planes, in groups where plane factors tie them.
 void AddAllPlaneInformation(const LinearizedGraph& linear, PoseInformation* information);

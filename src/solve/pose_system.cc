@@ -1,11 +1,14 @@
 #include "solve/pose_system.h"
 
+#include <Eigen/OrderingMethods>
 #include <cmath>
 
 #include "planegraph/base/error.h"
 
 namespace planegraph {
 namespace {
+
+using Eigen::MatrixXd;
 
 // Rounding leaves about 1e-15 in a null direction of the scaled information.
 constexpr double kRidge = 1e-12;
@@ -15,20 +18,49 @@ constexpr double kInfinite = 1e9;
 
 double UnitScale(double trace) { return trace > 0.0 ? 1.0 / std::sqrt(trace / 3.0) : 1.0; }
 
+// The nodes in an order with little fill. Those that are held come too; they do no harm.
+std::vector<int> EliminationOrder(const PoseInformation& information, int nodes) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const auto& [key, block] : information.blocks()) {
+    triplets.emplace_back(key.first, key.second, 1.0);
+    triplets.emplace_back(key.second, key.first, 1.0);
+  }
+  for (int k = 0; k < nodes; ++k) triplets.emplace_back(k, k, 1.0);
+  Eigen::SparseMatrix<double> pattern(nodes, nodes);
+  pattern.setFromTriplets(triplets.begin(), triplets.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(pattern, order);
+  return {order.indices().data(), order.indices().data() + nodes};
+}
+
 }  // namespace
 
 PoseSystem::PoseSystem(const PoseInformation& information, const Gauge& gauge) : first_row_{0} {
-  int free = 0;
-  const auto add_node = [&](int dimension, bool fixed) {
-    place_.push_back(fixed ? -1 : free);
-    free += fixed ? 0 : dimension;
-    first_row_.push_back(first_row_.back() + dimension);
-  };
-  for (const bool fixed : gauge.poses) add_node(kPoseTangent, fixed);
-  for (const bool fixed : gauge.maps) add_node(kMapTangent, fixed);
-  scale_.setOnes(free);
+  PlaceNodes(information, gauge);
+  scale_.setOnes(starts_.back());
   SetScale(information);
-  if (free > 0) Factorize(information);
+  if (starts_.back() == 0) return;
+  Factorize(information);
+  inverse_ = std::make_unique<SelectedInverse>(cholesky_.matrixL().nestedExpression(), starts_);
+}
+
+void PoseSystem::PlaceNodes(const PoseInformation& information, const Gauge& gauge) {
+  std::vector<bool> fixed = gauge.poses;
+  fixed.insert(fixed.end(), gauge.maps.begin(), gauge.maps.end());
+  for (std::size_t k = 0; k < fixed.size(); ++k) {
+    const int dimension = k < gauge.poses.size() ? kPoseTangent : kMapTangent;
+    first_row_.push_back(first_row_.back() + dimension);
+  }
+  const int nodes = static_cast<int>(fixed.size());
+  place_.assign(fixed.size(), -1);
+  rank_.assign(fixed.size(), -1);
+  starts_ = {0};
+  for (const int node : EliminationOrder(information, nodes)) {
+    if (fixed[node]) continue;
+    rank_[node] = static_cast<int>(starts_.size()) - 1;
+    place_[node] = starts_.back();
+    starts_.push_back(starts_.back() + Dimension(node));
+  }
 }
 
 void PoseSystem::SetScale(const PoseInformation& information) {
@@ -44,14 +76,14 @@ void PoseSystem::SetScale(const PoseInformation& information) {
 
 void PoseSystem::Factorize(const PoseInformation& information) {
   std::vector<Eigen::Triplet<double>> triplets;
-  triplets.reserve(36 * information.blocks().size() + scale_.size());
+  triplets.reserve(49 * information.blocks().size() + scale_.size());
   for (const auto& [key, block] : information.blocks()) {
     const int row = place_[key.first], column = place_[key.second];
     if (row < 0 || column < 0) continue;
     for (int a = 0; a < block.rows(); ++a) {
       for (int b = key.first == key.second ? a : 0; b < block.cols(); ++b) {
-        // The lower half, which is what the factorization reads; places keep the nodes' order.
-        triplets.emplace_back(column + b, row + a,
+        // The lower half, which is what the factorization reads.
+        triplets.emplace_back(std::max(row + a, column + b), std::min(row + a, column + b),
                               scale_[row + a] * block(a, b) * scale_[column + b]);
       }
     }
@@ -65,25 +97,40 @@ void PoseSystem::Factorize(const PoseInformation& information) {
   }
 }
 
-Eigen::MatrixXd PoseSystem::Solve(const Eigen::MatrixXd& rhs) const {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows(), rhs.cols());
+MatrixXd PoseSystem::Solve(const MatrixXd& rhs) const {
+  MatrixXd result = MatrixXd::Zero(rows(), rhs.cols());
   if (scale_.size() == 0) return result;
-  Eigen::MatrixXd reduced(scale_.size(), rhs.cols());
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] < 0) continue;
-    reduced.middleRows(place_[i], Dimension(i)) = rhs.middleRows(first_row_[i], Dimension(i));
+  MatrixXd reduced(scale_.size(), rhs.cols());
+  for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
+    if (place_[node] < 0) continue;
+    reduced.middleRows(place_[node], Dimension(node)) =
+        rhs.middleRows(first_row_[node], Dimension(node));
   }
   reduced = scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * reduced).eval();
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] < 0) continue;
-    result.middleRows(first_row_[i], Dimension(i)) = reduced.middleRows(place_[i], Dimension(i));
+  for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
+    if (place_[node] < 0) continue;
+    result.middleRows(first_row_[node], Dimension(node)) =
+        reduced.middleRows(place_[node], Dimension(node));
   }
   return result;
 }
 
-double PoseSystem::InfiniteVariance(int pose, bool rotation) const {
-  if (place_[pose] < 0) return INFINITY;
-  const double scale = scale_[place_[pose] + (rotation ? 3 : 0)];
+MatrixXd PoseSystem::Block(int row, int column) const {
+  const int rows = Dimension(row), columns = Dimension(column);
+  if (place_[row] < 0 || place_[column] < 0) return MatrixXd::Zero(rows, columns);
+  if (inverse_->Has(std::max(rank_[row], rank_[column]), std::min(rank_[row], rank_[column]))) {
+    return scale_.segment(place_[row], rows).asDiagonal() *
+           inverse_->Block(rank_[row], rank_[column]) *
+           scale_.segment(place_[column], columns).asDiagonal();
+  }
+  MatrixXd unit = MatrixXd::Zero(this->rows(), columns);
+  unit.middleRows(first_row_[column], columns).setIdentity();
+  return Solve(unit).middleRows(first_row_[row], rows);
+}
+
+double PoseSystem::InfiniteVariance(int node, bool rotation) const {
+  if (place_[node] < 0) return INFINITY;
+  const double scale = scale_[place_[node] + (rotation ? 3 : 0)];
   return kInfinite * scale * scale;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solve/information.h"
+#include "solve/selected_inverse.h"
 
 namespace planegraph {
 
@@ -21,21 +22,29 @@ class PoseSystem {
   /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, then 7 per map, zero for
   /// what the gauge holds.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs) const;
+  /// The covariance between two nodes (poses, then maps), zero where the gauge holds one. At no
+  /// cost where they have a plane or a factor in common, or where the elimination has tied them.
+  Eigen::MatrixXd Block(int row, int column) const;
   /// The variance (m^2 for the translation, rad^2 for the rotation) from which a direction of the
-  /// pose counts as not observed at all.
-  double InfiniteVariance(int pose, bool rotation) const;
+  /// node counts as not observed at all.
+  double InfiniteVariance(int node, bool rotation) const;
   int rows() const { return first_row_.back(); }
+  int FirstRow(int node) const { return first_row_[node]; }
+  int Dimension(int node) const { return first_row_[node + 1] - first_row_[node]; }
 
  private:
+  void PlaceNodes(const PoseInformation& information, const Gauge& gauge);
   void SetScale(const PoseInformation& information);
   void Factorize(const PoseInformation& information);
 
-  int Dimension(std::size_t node) const { return first_row_[node + 1] - first_row_[node]; }
-
   std::vector<int> first_row_;  // of each node among all, and their end
-  std::vector<int> place_;      // first row of a node among those that are free, or -1
-  Eigen::VectorXd scale_;       // over the free nodes
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky_;
+  std::vector<int> rank_;       // of a node in the order of elimination, or -1
+  std::vector<int> place_;      // its first row in that order, or -1
+  std::vector<int> starts_;     // the first row of each rank, and their end
+  Eigen::VectorXd scale_;       // over the free nodes, in that order
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+      cholesky_;
+  std::unique_ptr<SelectedInverse> inverse_;
 };
 
 }  // namespace planegraph

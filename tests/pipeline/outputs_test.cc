@@ -178,6 +178,27 @@ TEST_F(Outputs, TheReportSaysWhatTheRunFound) {
   EXPECT_EQ(evaluation["rpe"]["count"], 2);
 }
 
+// Every scan of a corridor slides along it: one line says so for all of them.
+TEST_F(Outputs, TheReportNamesWhatManyScansShareOnce) {
+  WriteSite(Path("corridor"), SmallSite(SceneKind::kCorridor, 3, 8));
+  const Site site = ReadSite(Path("corridor/site.yaml"));
+  const MapResult result = MapScans(site, TwoThreads());
+  const auto report = nlohmann::json::parse(ReportJson(result, TwoThreads()));
+  const auto& motions = report["observability"]["motions"];
+  ASSERT_EQ(motions.size(), 1u);
+  EXPECT_EQ(motions[0]["kind"], "translation");
+  EXPECT_NEAR(std::abs(motions[0]["directions"][0][0].get<double>()), 1.0, 0.01);
+  EXPECT_EQ(motions[0]["parts"].size(), 3u);
+  EXPECT_EQ(motions[0]["held_by"], "odometry");
+  EXPECT_EQ(report["observability"]["open_degrees_of_freedom"], 2);
+  EXPECT_THAT(motions[0]["text"].get<std::string>(),
+              testing::ContainsRegex("not observed by planes for 3 scans, each by itself, sigma "
+                                     "[0-9.]+ m from odometry"));
+  const MapResult bare = MapScans(site, TwoThreads("none"));
+  EXPECT_TRUE(
+      nlohmann::json::parse(ReportJson(bare, TwoThreads("none")))["observability"].is_null());
+}
+
 // Errors of relative poses do not depend on the frame in which the truth is given.
 TEST_F(Outputs, TheConsistencyIsThatOfAnyFrameOfTheReference) {
   Site site = ReadBack();

@@ -53,6 +53,8 @@ TEST_F(HtmlReport, ShowsWhatTheRunSays) {
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">∞</td>"));      // a null variance
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">12.3</td>"));   // ATE, mm
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">1.000</td>"));  // ATE rotation, deg
+  EXPECT_THAT(page, HasSubstr("<li>translation along (1.00, 0.00, 0.00): not observed by planes "
+                              "for 1 scan as a whole</li>"));
   EXPECT_THAT(page, HasSubstr("alignment first"));
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">0.21 to 2.41</td>"));  // band of the NEES
   EXPECT_THAT(page, HasSubstr("all poses jointly, relative to ugv/000"));

@@ -67,6 +67,11 @@ inline nlohmann::json SampleReport() {
                          "count": 1, "coverage": {"50": 0, "90": 1, "95": 1}, "each": [1.25],
                          "relative_to": "ugv/000"}},
       "maps": {"uav": {"true_scale": 2.5, "nees": 0.5}}}},
+    "observability": {"open_degrees_of_freedom": 1, "motions": [
+      {"kind": "translation", "directions": [[1, 0, 0]], "parts": [["ugv/000", "ugv/001"], ["cart/000"]],
+       "degrees_of_freedom": 1, "sigma": 0.6, "sigma_planes": null, "held_by": "odometry",
+       "scan": "cart/000", "relative_to": "ugv/000",
+       "text": "translation along (1.00, 0.00, 0.00): not observed by planes for 1 scan as a whole"}]},
     "stage_seconds": {"solve": 0.25, "front_end": 0.5, "maps": 0.4, "placing": 0.2},
     "planegraph": {"version": "0.1.0", "commit": "abc", "command": "planegraph map site.yaml",
                    "flags": {"loss": "huber:1"}, "seed": 3}

@@ -33,7 +33,8 @@ void AddOdometry(double sigma_translation, double sigma_rotation, Graph* graph) 
 }
 
 // Covariances by ceres::Covariance, whose tangent is that of our manifolds.
-Matrix6d CeresCovariance(const Graph& graph, const SolveOptions& options, int pose) {
+Eigen::MatrixXd CeresCovariance(const Graph& graph, const SolveOptions& options,
+                                const BlockRef& row, const BlockRef& column) {
   Assembly assembly(graph, options);
   Se3Manifold pose_manifold;
   PlaneManifold plane_manifold;
@@ -57,13 +58,19 @@ Matrix6d CeresCovariance(const Graph& graph, const SolveOptions& options, int po
     problem.AddResidualBlock(residual.cost.get(), residual.loss, blocks);
   }
   ceres::Covariance covariance{ceres::Covariance::Options()};
-  double* block = assembly.PoseBlock(pose);
-  const std::vector<std::pair<const double*, const double*>> wanted = {{block, block}};
+  const double *a = assembly.Block(row), *b = assembly.Block(column);
+  const std::vector<std::pair<const double*, const double*>> wanted = {{a, b}};
   EXPECT_TRUE(covariance.Compute(wanted, &problem));
-  Eigen::Matrix<double, 6, 6, Eigen::RowMajor> result;
-  covariance.GetCovarianceBlockInTangentSpace(block, block, result.data());
+  const auto tangent = [](const BlockRef& block) {
+    return block.kind == BlockKind::kPose ? kPoseTangent : kPlaneTangent;
+  };
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> result(tangent(row),
+                                                                                tangent(column));
+  covariance.GetCovarianceBlockInTangentSpace(a, b, result.data());
   return result;
 }
+
+BlockRef PoseBlockRef(int pose) { return {BlockKind::kPose, pose}; }
 
 class AgainstCeres : public testing::TestWithParam<const char*> {};
 
@@ -76,7 +83,7 @@ TEST_P(AgainstCeres, PoseCovariances) {
   Solve(&graph, options);
   const GraphCovariance covariance(graph, options);
   for (int i = 1; i < 5; ++i) {
-    const Matrix6d expected = CeresCovariance(graph, options, i);
+    const Matrix6d expected = CeresCovariance(graph, options, PoseBlockRef(i), PoseBlockRef(i));
     EXPECT_LT((covariance.Pose(i) - expected).norm(), 1e-6 * expected.norm());
   }
   EXPECT_EQ(covariance.Pose(0).norm(), 0.0);  // fixed
@@ -85,6 +92,53 @@ TEST_P(AgainstCeres, PoseCovariances) {
 INSTANTIATE_TEST_SUITE_P(PlaneFactors, AgainstCeres,
                          testing::Values("moments", "pose_pose", "normal_offset", "closest_point",
                                          "unit_quaternion"));
+
+// Planes, also where factors tie them, of the factors that have planes as unknowns.
+TEST(GraphCovariance, PlanesAgainstCeres) {
+  PlaneWorld world({.poses = 4, .planes = 20, .noise = 1.0});
+  Graph graph = world.Disturbed(0.01, 0.01);
+  graph.plane_factors = {{.type = "parallel", .planes = {2, 5}},
+                         {.type = "perpendicular", .planes = {5, 7}, .sigma_angle = 0.1}};
+  SolveOptions options;
+  options.plane_factor = "normal_offset";
+  Solve(&graph, options);
+  const GraphCovariance covariance(graph, options);
+  for (int k = 0; k < 10; ++k) {
+    if (graph.planes[k].observations.size() < 2) continue;
+    const BlockRef block{BlockKind::kPlane, k};
+    const Eigen::Matrix3d expected = CeresCovariance(graph, options, block, block);
+    EXPECT_LT((covariance.Plane(k) - expected).norm(), 1e-6 * expected.norm()) << k;
+  }
+}
+
+// The joint covariance of relative poses holds each of them, and their correlations by Ceres.
+TEST(GraphCovariance, RelativePosesJointlyAgainstCeres) {
+  PlaneWorld world({.poses = 5, .planes = 30, .noise = 1.0});
+  Graph graph = world.Disturbed(0.01, 0.01);
+  Solve(&graph);
+  const GraphCovariance covariance(graph);
+  const Eigen::MatrixXd joint = covariance.Relatives(0, {1, 3});
+  ASSERT_EQ(joint.rows(), 12);
+  EXPECT_LT((joint.topLeftCorner<6, 6>() - covariance.Relative(0, 1)).norm(), 1e-9 * joint.norm());
+  EXPECT_LT((joint.bottomRightCorner<6, 6>() - covariance.Relative(0, 3)).norm(),
+            1e-9 * joint.norm());
+  // Pose 0 is held: relative to it is in its axes.
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = graph.poses[0].world_from_node.rotation.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  const Eigen::MatrixXd cross = CeresCovariance(graph, {}, PoseBlockRef(1), PoseBlockRef(3));
+  EXPECT_LT((turn * joint.topRightCorner<6, 6>() * turn.transpose() - cross).norm(),
+            1e-6 * cross.norm());
+}
+
+TEST(GraphCovariance, APlaneThatIsHalfSeenHasNone) {
+  PlaneWorld world({.poses = 3, .planes = 30});
+  Graph graph = world.truth();
+  for (PlaneObservation& seen : graph.planes[0].observations) seen.tilt_weight_2 = 0.0;
+  graph.planes[0].observations.resize(1);
+  EXPECT_FALSE(GraphCovariance(graph).Plane(0).allFinite());
+  EXPECT_TRUE(GraphCovariance(graph).Plane(1).allFinite());
+}
 
 TEST(GraphCovariance, PoseErrorsHaveTheStatedSize) {
   // Normalized estimation error squared over many worlds: chi-square with 6 degrees of freedom

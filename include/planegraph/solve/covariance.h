@@ -6,6 +6,7 @@
 
 #include "planegraph/graph/graph.h"
 #include "planegraph/registration/unobserved_direction.h"
+#include "planegraph/solve/observability.h"
 #include "planegraph/solve/solver.h"
 
 namespace planegraph {
@@ -14,6 +15,7 @@ struct CovarianceOptions {
   /// A direction of a pose counts as unobserved where the planes alone leave it a sigma above this.
   double translation_threshold = 0.1;  ///< metres
   double rotation_threshold = 0.0175;  ///< radians (1 deg)
+  double scale_threshold = 0.01;       ///< of a map, relative
 };
 
 /// Covariances of a solved graph, relative to what the gauge fixes (SolveOptions and GaugeFixed as
@@ -37,9 +39,16 @@ class GraphCovariance {
   Eigen::MatrixXd Relatives(int target, const std::vector<int>& sources) const;
   /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map.
   Matrix7d Map(int map) const;
+  /// Covariance of a plane in the tangent space of its landmark (the normal along the two columns
+  /// of TangentBasis(normal), the offset from the anchor; radians and metres). NaN for a plane
+  /// whose observations leave something of it open, or that is no unknown of the plane factor.
+  Eigen::Matrix3d Plane(int plane) const;
   /// What the planes leave open at this pose, translations first, the weakest first.
   std::vector<UnobservedDirection> Unobserved(int pose) const;
-  /// The same for target_from_source, in the target's axes.
+  /// What the planes of the whole graph leave open, each motion once for all nodes that share it.
+  std::vector<OpenMotion> OpenMotions() const;
+  const CovarianceOptions& options() const;
+  /// What the planes leave open of target_from_source, in the target's axes.
   std::vector<UnobservedDirection> UnobservedRelative(int target, int source) const;
 
  private:
