@@ -8,6 +8,7 @@
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/error.h"
+#include "planegraph/graph/factor_losses.h"
 #include "planegraph/pipeline/mapper.h"
 #include "planegraph/pipeline/outputs.h"
 #include "planegraph/report/html_report.h"
@@ -19,8 +20,10 @@ DEFINE_string(plane_factor, "moments",
               "cost variant of the planes, NAME[:OPTION=VALUE,...] (see `planegraph factors`)");
 DEFINE_string(loss, "cauchy:2.4",
               "robust loss of the planes' residuals (optimize: of the edges', none by default), "
-              "NAME[:SCALE]: none, huber, soft_l1, cauchy, "
-              "tukey, geman_mcclure, dcs; gnc_tls, gnc_gm (graduated non-convexity)");
+              "NAME[:SCALE][,FACTOR=NAME[:SCALE]...]: none, huber, soft_l1, cauchy, "
+              "tukey, geman_mcclure, dcs; gnc_tls, gnc_gm (graduated non-convexity); after it "
+              "other losses for factors by their names (see `planegraph factors`), say "
+              "relative_pose=huber:2");
 DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
 
@@ -36,7 +39,9 @@ MapOptions OptionsFromFlags() {
   const FactorChoice factor = BuiltinFactors().Parse(FLAGS_plane_factor, FactorKind::kPlane);
   options.plane_factor = factor.name;
   options.plane_factor_options = factor.options;
-  options.loss = ParseLoss(FLAGS_loss);
+  const FactorLosses losses = ParseFactorLosses(FLAGS_loss, options.loss, BuiltinFactors());
+  options.loss = losses.general;
+  options.factor_losses = losses.by_type;
   options.threads = FLAGS_threads;
   return options;
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "planegraph/base/error.h"
+#include "planegraph/graph/factor_losses.h"
 #include "planegraph/pose_graph/certificate.h"
 #include "planegraph/pose_graph/g2o_conversion.h"
 #include "planegraph/pose_graph/robust_optimization.h"
@@ -47,6 +48,16 @@ struct Settings {
   std::optional<GncOptions> gnc;
 };
 
+// A pose graph has factors of one type.
+LossSpec EdgeLoss(const std::string& text) {
+  const FactorLosses losses = ParseFactorLosses(text, {}, BuiltinFactors());
+  const auto own = losses.by_type.find("relative_pose");
+  if (losses.by_type.size() > (own == losses.by_type.end() ? 0u : 1u)) {
+    throw UsageError("a pose graph has a loss for relative_pose alone");
+  }
+  return own == losses.by_type.end() ? losses.general : own->second;
+}
+
 Settings SettingsFromFlags() {
   Settings settings;
   settings.chordal = Choice("init", FLAGS_init, {"chordal", "given"}) == 0;
@@ -57,7 +68,7 @@ Settings SettingsFromFlags() {
   // The flag is shared with `map`, whose default is another.
   const bool given = !gflags::GetCommandLineFlagInfoOrDie("loss").is_default;
   const std::string loss = given ? FLAGS_loss : "none";
-  settings.loss = ParseLoss(loss);
+  settings.loss = EdgeLoss(loss);
   if (IsGraduated(settings.loss)) {
     settings.gnc = GncOptions{KernelOf(settings.loss), settings.loss.scale};
   }

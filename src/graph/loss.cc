@@ -48,6 +48,7 @@ const std::vector<std::string>& LossNames() {
 LossSpec ParseLoss(const std::string& text) {
   const std::size_t colon = text.find(':');
   LossSpec spec{text.substr(0, colon), 0.0};
+  if (spec.name == "soft_l_one") spec.name = "soft_l1";  // as Ceres spells it
   if (!DefaultScales().count(spec.name)) throw UsageError("unknown loss '" + spec.name + "'");
   if (colon == std::string::npos) return spec;
   if (spec.name == "none") throw UsageError("the loss 'none' has no scale");

@@ -63,12 +63,13 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
   solve.plane_factor = options.plane_factor;
   solve.plane_factor_options = options.plane_factor_options;
   solve.plane_loss = options.loss;
-  solve.pose_loss = ParseLoss("cauchy:2.4");
+  solve.pose_loss = MeasurementLoss(options, "");
+  solve.factor_losses = options.factor_losses;
   // The rounds before the last only have to bring surfaces together that the next association then
   // pairs anew. Robust losses converge linearly; a millionth of the cost is microns of a pose.
   solve.max_iterations = last ? 25 : 5;
   solve.function_tolerance = last ? 1e-6 : 1e-4;
-  solve.collect_residuals = last || IsGraduated(options.loss);
+  solve.collect_residuals = last || IsGraduated(PlaneLoss(options));
   solve.initial_radius = held_by_priors ? 1e10 : 1e4;
   return solve;
 }
@@ -83,7 +84,7 @@ void Rounds(const JointProblem& problem, const MapOptions& options, const MapWei
     if (judgement != nullptr) judgement->Apply(&graph);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     solution->costs.push_back(solution->summary.costs);
-    if (judgement != nullptr) judgement->Record(graph, solution->summary, options.loss);
+    if (judgement != nullptr) judgement->Record(graph, solution->summary, PlaneLoss(options));
     last = association->gate <= rest.last_gate &&
            Rests(PosesOf(graph), solution->world_from_scan, rest);
     TakeOver(std::move(graph), solution);
@@ -114,7 +115,7 @@ void ListSwitchedOff(const JointProblem& problem, const MapOptions& options,
                      GroupJudgement* judgement, JointSolution* solution) {
   solution->switched_off = MeasurementsOff(problem, solution->graph, solution->summary);
   if (judgement == nullptr) return;
-  judgement->Record(solution->graph, solution->summary, options.loss);
+  judgement->Record(solution->graph, solution->summary, PlaneLoss(options));
   for (auto& off : judgement->Off()) solution->switched_off.push_back(std::move(off));
   RemoveSwitchedOff(solution->summary, &solution->graph);
 }
@@ -292,7 +293,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   association.gate = kFirstGate;
   const Rest rest = RestOf(problem, options, association);
   const auto judgement =
-      IsGraduated(options.loss) ? std::make_unique<GroupJudgement>(problem) : nullptr;
+      IsGraduated(PlaneLoss(options)) ? std::make_unique<GroupJudgement>(problem) : nullptr;
   // The last solve may find that the quick ones before it had only come to rest too early.
   do {
     Rounds(problem, options, weights, rest, &association, &solution, judgement.get());

@@ -6,6 +6,7 @@
 #include "pipeline/lap.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
+#include "planegraph/graph/factor_losses.h"
 #include "planegraph/pipeline/joining.h"
 #include "planegraph/pipeline/joint_solve.h"
 #include "planegraph/pipeline/loop_consistency.h"
@@ -92,7 +93,7 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   if (result->maps.empty()) JoinRobots(models, options, &frames, &poses, result);
   if (options.optimizer == "graph") {
     RefuseInconsistentLoops(result->scans, result->odometry, &result->pairs, &result->refused);
-    poses = SolveRelativePoses(result->scans, result->odometry, poses, options.loss, &result->pairs,
+    poses = SolveRelativePoses(result->scans, result->odometry, poses, options, &result->pairs,
                                &result->refused);
   }
   options.progress("registration", 1.0);
@@ -162,6 +163,7 @@ void Check(const MapOptions& options) {
     throw UsageError("unknown optimizer '" + options.optimizer + "' (graph, metascan, none)");
   }
   BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);  // throws for an unknown one
+  CheckFactorNames(options.factor_losses, BuiltinFactors());
 }
 
 Placement StartPlacement(std::vector<Rigid3> poses, const std::vector<MapRecord>& maps) {
@@ -190,6 +192,20 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
 }
 
 }  // namespace
+
+const LossSpec& PlaneLoss(const MapOptions& options) {
+  const auto own = options.factor_losses.find(options.plane_factor);
+  return own == options.factor_losses.end() ? options.loss : own->second;
+}
+
+LossSpec MeasurementLoss(const MapOptions& options, const std::string& factor) {
+  const auto own = options.factor_losses.find(factor);
+  return own == options.factor_losses.end() ? LossSpec{"cauchy", 2.4} : own->second;
+}
+
+std::string LossText(const MapOptions& options) {
+  return FactorLosses{options.loss, options.factor_losses}.ToString();
+}
 
 MapResult MapScans(const Site& site, const MapOptions& options) {
   Check(options);

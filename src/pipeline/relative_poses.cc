@@ -74,7 +74,7 @@ void TakeOut(const std::vector<ScanRecord>& scans, const ResidualReport& report,
 
 SolveOptions QuickOptions() {
   SolveOptions options;
-  options.pose_loss = ParseLoss("cauchy:2.4");
+  options.pose_loss = {"cauchy", 2.4};
   options.max_iterations = 20;
   options.function_tolerance = 1e-4;  // a start for the association, no more
   return options;
@@ -107,9 +107,11 @@ void Judge(const std::vector<ScanRecord>& scans, const std::vector<OdometryStep>
 
 std::vector<Rigid3> SolveRelativePoses(const std::vector<ScanRecord>& scans,
                                        const std::vector<OdometryStep>& odometry,
-                                       std::vector<Rigid3> start, const LossSpec& loss,
+                                       std::vector<Rigid3> start, const MapOptions& map_options,
                                        std::vector<PairRecord>* pairs,
                                        std::vector<SwitchedOff>* off) {
+  const LossSpec own = MeasurementLoss(map_options, "relative_pose");
+  const LossSpec& loss = IsGraduated(own) ? own : PlaneLoss(map_options);
   if (IsGraduated(loss)) {
     Graph graph = PosesOnly(start, Components(start.size(), *pairs));
     AddRegistrations(*pairs, &graph);
@@ -122,6 +124,7 @@ std::vector<Rigid3> SolveRelativePoses(const std::vector<ScanRecord>& scans,
   if (graph.pose_factors.empty()) return start;
   SolveOptions options = QuickOptions();
   options.collect_residuals = false;
+  if (!IsGraduated(own)) options.pose_loss = own;
   Solve(&graph, options);
   return PosesOf(graph);
 }

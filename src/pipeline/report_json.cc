@@ -200,7 +200,7 @@ Json SolveJson(const MapResult& result, const MapOptions& options) {
   for (const auto& plane : s.graph.planes) observations += plane.observations.size();
   return {{"optimizer", options.optimizer},
           {"plane_factor", options.plane_factor},
-          {"loss", options.loss.ToString()},
+          {"loss", LossText(options)},
           {"initial_cost", s.summary.initial_cost},
           {"final_cost", s.summary.final_cost},
           {"iterations", s.summary.iterations},
@@ -281,7 +281,7 @@ Json ConfigurationJson(const MapResult& result, const MapOptions& options) {
   const SegmentationOptions& segmentation = options.segmentation;
   Json json = {{"optimizer", options.optimizer},
                {"plane_factor", options.plane_factor},
-               {"loss", options.loss.ToString()},
+               {"loss", LossText(options)},
                {"neighbours_per_scan", options.neighbours_per_scan},
                {"most_rounds", options.most_rounds},
                {"segmentation",

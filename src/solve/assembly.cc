@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planegraph/base/error.h"
+#include "planegraph/graph/factor_losses.h"
 
 namespace planegraph {
 namespace {
@@ -37,10 +38,14 @@ Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMat
 }  // namespace
 
 Assembly::Assembly(const Graph& graph, const SolveOptions& options)
-    : graph_(graph), plane_loss_(options.plane_loss), pose_loss_(options.pose_loss) {
+    : graph_(graph),
+      plane_loss_(options.plane_loss),
+      pose_loss_(options.pose_loss),
+      factor_losses_(options.factor_losses) {
+  CheckFactorNames(factor_losses_, BuiltinFactors());
   SetBlocks(graph);
   AddPlanes(graph, options);
-  AddPoseFactors(graph, options);
+  AddPoseFactors(graph);
 }
 
 void Assembly::SetBlocks(const Graph& graph) {
@@ -67,9 +72,7 @@ void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
   std::size_t observations = 0;
   for (const PlaneLandmark& plane : graph.planes) observations += plane.observations.size();
   residuals_.reserve(observations + graph.pose_factors.size());
-  losses_.push_back(MakeLoss(options.plane_loss));
-  present_loss_ = losses_.back().get();
-  present_switch_ = SwitchOf(plane_loss_, true);
+  present_ = LossOf(type.name, plane_loss_, true);
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
     type.add_plane(graph, k, options.plane_factor_options, this);
   }
@@ -77,6 +80,7 @@ void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
   const FactorType* in_maps =
       graph.maps.empty() ? nullptr : BuiltinFactors().MapPlaneFactorFor(type);
   if (in_maps == nullptr) return;
+  present_ = LossOf(in_maps->name, plane_loss_, true);
   for (int k = 0; k < static_cast<int>(graph.planes.size()); ++k) {
     in_maps->add_plane(graph, k, options.plane_factor_options, this);
   }
@@ -86,27 +90,36 @@ void Assembly::AddPlaneFactors(const Graph& graph) {
   if (!graph.plane_factors.empty() && !plane_blocks_) {
     throw UsageError("what ties planes needs a plane factor whose planes are unknowns");
   }
-  const ceres::LossFunction* robust = present_loss_;
-  const LossSpec* graduated = present_switch_;
   for (int k = 0; k < static_cast<int>(graph.plane_factors.size()); ++k) {
     const PlaneFactor& factor = graph.plane_factors[k];
     const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kPlanePair);
-    present_loss_ = factor.robust ? robust : nullptr;
-    present_switch_ = factor.robust ? graduated : nullptr;
+    present_ = LossOf(type.name, plane_loss_, factor.robust);
     Add(type.make_pair_cost(graph, factor),
         {{BlockKind::kPlane, factor.planes[0]}, {BlockKind::kPlane, factor.planes[1]}},
         ResidualTag{.plane_factor = k}, 1.0);
   }
-  present_loss_ = robust;
-  present_switch_ = graduated;
 }
 
-void Assembly::AddMapFactors(const Graph& graph, const ceres::LossFunction* robust) {
+// The loss of a type's factors, of which each has one function.
+Assembly::PresentLoss Assembly::LossOf(const std::string& type, const LossSpec& general,
+                                       bool robust) {
+  if (!robust) return {};
+  const auto own = factor_losses_.find(type);
+  const LossSpec* loss = own == factor_losses_.end() ? &general : &own->second;
+  if (IsGraduated(*loss)) return {nullptr, loss};
+  const auto [place, is_new] = functions_.try_emplace(loss, nullptr);
+  if (is_new) {
+    losses_.push_back(MakeLoss(*loss));
+    place->second = losses_.back().get();
+  }
+  return {place->second, nullptr};
+}
+
+void Assembly::AddMapFactors(const Graph& graph) {
   for (int k = 0; k < static_cast<int>(graph.map_factors.size()); ++k) {
     const MapFactor& factor = graph.map_factors[k];
     const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kMap);
-    present_loss_ = factor.robust ? robust : nullptr;
-    present_switch_ = SwitchOf(pose_loss_, factor.robust);
+    present_ = LossOf(type.name, pose_loss_, factor.robust);
     const ResidualTag tag{.map_factor = k};
     std::vector<BlockRef> blocks;
     for (const int map : factor.maps) blocks.push_back({BlockKind::kMap, map});
@@ -114,20 +127,17 @@ void Assembly::AddMapFactors(const Graph& graph, const ceres::LossFunction* robu
   }
 }
 
-void Assembly::AddPoseFactors(const Graph& graph, const SolveOptions& options) {
-  losses_.push_back(MakeLoss(options.pose_loss));
-  const ceres::LossFunction* robust = losses_.back().get();
+void Assembly::AddPoseFactors(const Graph& graph) {
   for (int k = 0; k < static_cast<int>(graph.pose_factors.size()); ++k) {
     const PoseFactor& factor = graph.pose_factors[k];
     const FactorType& type = BuiltinFactors().Get(factor.type, FactorKind::kPose);
-    present_loss_ = factor.robust ? robust : nullptr;
-    present_switch_ = SwitchOf(pose_loss_, factor.robust);
+    present_ = LossOf(type.name, pose_loss_, factor.robust);
     const ResidualTag tag{.pose_factor = k};
     std::vector<BlockRef> blocks;
     for (const int pose : factor.poses) blocks.push_back({BlockKind::kPose, pose});
     Add(type.make_cost(factor), std::move(blocks), tag, 1.0);
   }
-  AddMapFactors(graph, robust);
+  AddMapFactors(graph);
 }
 
 void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockRef> blocks,
@@ -137,7 +147,7 @@ void Assembly::Add(std::unique_ptr<ceres::CostFunction> cost, std::vector<BlockR
   residual.blocks = std::move(blocks);
   residual.tag = tag;
   residual.weight = weight;
-  if (present_switch_ == nullptr) {
+  if (present_.graduated == nullptr) {
     residual.loss = LossFor(weight);
   } else {
     AddSwitch(&residual);
@@ -160,9 +170,10 @@ void Assembly::AddSwitch(Residual* residual) {
   const int group = GroupOf(residual->tag);
   std::size_t place = switch_groups_.size();
   if (group >= 0) {
-    place = group_places_.try_emplace({residual->tag.plane >= 0, group}, place).first->second;
+    const std::pair key(present_.graduated, std::pair(residual->tag.plane >= 0, group));
+    place = group_places_.try_emplace(key, place).first->second;
   }
-  if (place == switch_groups_.size()) switch_groups_.push_back({present_switch_, {}, {}});
+  if (place == switch_groups_.size()) switch_groups_.push_back({present_.graduated, {}, {}});
   switch_groups_[place].residuals.push_back(static_cast<int>(residuals_.size()) - 1);
   switch_groups_[place].switches.push_back(weight.get());
   residual->loss = weight.get();
@@ -171,11 +182,11 @@ void Assembly::AddSwitch(Residual* residual) {
 
 // One loss object per kernel and weight: the weights 2/k take few values.
 ceres::LossFunction* Assembly::LossFor(double weight) {
-  if (present_loss_ == nullptr && weight == 1.0) return nullptr;
-  ceres::LossFunction*& loss = scaled_losses_[{present_loss_, weight}];
+  if (present_.function == nullptr && weight == 1.0) return nullptr;
+  ceres::LossFunction*& loss = scaled_losses_[{present_.function, weight}];
   if (loss == nullptr) {
-    losses_.push_back(
-        std::make_unique<ceres::ScaledLoss>(present_loss_, weight, ceres::DO_NOT_TAKE_OWNERSHIP));
+    losses_.push_back(std::make_unique<ceres::ScaledLoss>(present_.function, weight,
+                                                          ceres::DO_NOT_TAKE_OWNERSHIP));
     loss = losses_.back().get();
   }
   return loss;

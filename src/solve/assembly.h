@@ -70,11 +70,14 @@ class Assembly final : public ResidualSink {
   void SetBlocks(const Graph& graph);
   void AddPlanes(const Graph& graph, const SolveOptions& options);
   void AddPlaneFactors(const Graph& graph);
-  void AddMapFactors(const Graph& graph, const ceres::LossFunction* robust);
-  const LossSpec* SwitchOf(const LossSpec& loss, bool robust) const {
-    return robust && IsGraduated(loss) ? &loss : nullptr;
-  }
-  void AddPoseFactors(const Graph& graph, const SolveOptions& options);
+  void AddMapFactors(const Graph& graph);
+  // What the residuals that are added next take: nothing, a function, or a graduated loss.
+  struct PresentLoss {
+    const ceres::LossFunction* function = nullptr;
+    const LossSpec* graduated = nullptr;
+  };
+  PresentLoss LossOf(const std::string& type, const LossSpec& general, bool robust);
+  void AddPoseFactors(const Graph& graph);
   ceres::LossFunction* LossFor(double weight);
   void AddSwitch(Residual* residual);
   int GroupOf(const ResidualTag& tag) const;
@@ -83,11 +86,12 @@ class Assembly final : public ResidualSink {
   std::vector<double> poses_, planes_, maps_;
   std::vector<Residual> residuals_;
   bool plane_blocks_ = false;
-  const ceres::LossFunction* present_loss_ = nullptr;
-  const LossSpec* present_switch_ = nullptr;  // the graduated loss, where there is one
+  PresentLoss present_;
   const LossSpec plane_loss_, pose_loss_;
+  const std::map<std::string, LossSpec> factor_losses_;
+  std::map<const LossSpec*, const ceres::LossFunction*> functions_;
   std::vector<SwitchGroup> switch_groups_;
-  std::map<std::pair<bool, int>, std::size_t> group_places_;
+  std::map<std::pair<const LossSpec*, std::pair<bool, int>>, std::size_t> group_places_;
   std::vector<std::unique_ptr<ceres::LossFunction>> losses_;
   std::map<std::pair<const ceres::LossFunction*, double>, ceres::LossFunction*> scaled_losses_;
 };

@@ -3,9 +3,10 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "solve/assembly.h"
 #include "solve/group_switch.h"
@@ -198,50 +199,60 @@ class Minimizer {
   int hidden_planes_ = 0;
 };
 
-// The outer loop of the graduated losses: planes and pose factors each have their schedule. All
-// chi2 are relative to their limits, so that 1 is the scale of either.
+// The outer loop of the graduated losses: planes and measurements have schedules of their own, one
+// for each kernel. All chi2 are relative to their limits, so that 1 is the scale of each.
 class Graduation {
  public:
-  Graduation(const SolveOptions& options, Assembly* assembly)
-      : planes_(KernelOf(options.plane_loss), 1.0), poses_(KernelOf(options.pose_loss), 1.0) {
+  explicit Graduation(Assembly* assembly) {
     for (const SwitchGroup& group : assembly->switch_groups()) {
       const Residual& first = assembly->residuals()[group.residuals.front()];
-      is_plane_.push_back(first.tag.plane >= 0 || first.tag.plane_factor >= 0);
-      switches_.emplace_back(group, assembly);
+      const bool is_plane = first.tag.plane >= 0 || first.tag.plane_factor >= 0;
+      const GncKernel kernel = KernelOf(*group.loss);
+      Course& course = courses_.try_emplace({is_plane, kernel}, kernel).first->second;
+      course.switches.emplace_back(group, assembly);
     }
     Measure();
-    planes_.Start(chi2_[1]);
-    poses_.Start(chi2_[0]);
+    for (auto& [key, course] : courses_) course.schedule.Start(course.chi2);
   }
 
-  bool Finished() const { return planes_.Finished() && poses_.Finished(); }
+  bool Finished() const {
+    return std::all_of(courses_.begin(), courses_.end(),
+                       [](const auto& entry) { return entry.second.schedule.Finished(); });
+  }
 
   void SetWeights(bool final) {
-    for (std::size_t g = 0; g < switches_.size(); ++g) {
-      const GncSchedule& schedule = is_plane_[g] ? planes_ : poses_;
-      switches_[g].SetWeights(
-          [&](double chi2) { return final ? schedule.FinalWeight(chi2) : schedule.Weight(chi2); });
+    for (auto& [key, course] : courses_) {
+      const GncSchedule& schedule = course.schedule;
+      for (const GroupSwitch& group : course.switches) {
+        group.SetWeights([&](double chi2) {
+          return final ? schedule.FinalWeight(chi2) : schedule.Weight(chi2);
+        });
+      }
     }
   }
 
   void Advance() {
     Measure();
-    if (!planes_.Finished()) planes_.Advance(chi2_[1]);
-    if (!poses_.Finished()) poses_.Advance(chi2_[0]);
+    for (auto& [key, course] : courses_) {
+      if (!course.schedule.Finished()) course.schedule.Advance(course.chi2);
+    }
   }
 
   void Measure() {
-    chi2_ = {};
-    for (std::size_t g = 0; g < switches_.size(); ++g) {
-      switches_[g].Measure(&chi2_[is_plane_[g]]);
+    for (auto& [key, course] : courses_) {
+      course.chi2.clear();
+      for (GroupSwitch& group : course.switches) group.Measure(&course.chi2);
     }
   }
 
  private:
-  GncSchedule planes_, poses_;
-  std::vector<bool> is_plane_;  // of each group
-  std::vector<GroupSwitch> switches_;
-  std::array<std::vector<double>, 2> chi2_;  // of pose factors, of planes
+  struct Course {
+    explicit Course(GncKernel kernel) : schedule(kernel, 1.0) {}
+    GncSchedule schedule;
+    std::vector<GroupSwitch> switches;
+    std::vector<double> chi2;  // as the schedule wants them
+  };
+  std::map<std::pair<bool, GncKernel>, Course> courses_;
 };
 
 void MinimizeGraduated(const SolveOptions& options, Assembly* assembly, Minimizer* minimizer,
@@ -251,7 +262,7 @@ void MinimizeGraduated(const SolveOptions& options, Assembly* assembly, Minimize
   quick.max_iterations = std::min(options.max_iterations, 10);
   quick.function_tolerance = std::max(options.function_tolerance, 1e-4);
   minimizer->Run(quick, summary);
-  Graduation graduation(options, assembly);
+  Graduation graduation(assembly);
   for (; !graduation.Finished(); ++summary->graduated_steps) {
     graduation.SetWeights(false);
     minimizer->Run(quick, summary);

@@ -119,13 +119,29 @@ TEST_F(Jobs, AScanThatCannotBeReadIsNamed) {
 }
 
 TEST_F(Jobs, UnknownNamesAreWrongUsage) {
-  for (const char* flags : {"--optimizer=simplex", "--loss=parabola", "--loss=huber:-1",
-                            "--plane_factor=none_such", "--plane_factor=relative_pose"}) {
+  for (const char* flags :
+       {"--optimizer=simplex", "--loss=parabola", "--loss=huber:-1", "--loss=huber,gps=dcs",
+        "--plane_factor=none_such", "--plane_factor=relative_pose"}) {
     const Outcome outcome = Map(Tiny(), flags);
     EXPECT_EQ(outcome.exit_code, 1) << flags;
     EXPECT_THAT(outcome.err, StartsWith("error: ")) << flags;
     EXPECT_THAT(outcome.out, IsEmpty()) << flags;
   }
+}
+
+TEST_F(Jobs, ALossForAnUnknownFactorListsTheFactors) {
+  const Outcome outcome = Map(Tiny(), "--loss=cauchy:1,gps=tukey:3");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("unknown factor 'gps'"));
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("robot_position"));
+}
+
+TEST_F(Jobs, LossesOfFactorsAreInTheReport) {
+  ASSERT_EQ(Map(Tiny(), "--loss=huber,relative_pose=dcs:2").exit_code, 0);
+  std::ifstream file(Path("out/report.json"));
+  const auto report = nlohmann::json::parse(file);
+  EXPECT_EQ(report["solve"]["loss"], "huber,relative_pose=dcs:2");
+  EXPECT_TRUE(report["switched_off"].is_array());
 }
 
 TEST_F(Jobs, ScansThatDoNotFitTogetherAreNoFullResult) {

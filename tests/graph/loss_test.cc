@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "planegraph/base/error.h"
+#include "planegraph/graph/factor_losses.h"
 
 namespace planegraph {
 namespace {
@@ -92,6 +93,48 @@ TEST(ParseLoss, RefusesWhatIsNotALoss) {
                            "huber:inf", "none:1", "Huber"}) {
     EXPECT_THROW(ParseLoss(text), UsageError) << text;
   }
+}
+
+TEST(FactorLosses, AreReadAndPrinted) {
+  const FactorLosses losses =
+      ParseFactorLosses("cauchy:1,relative_pose=huber:2,robot_position=tukey:3,moments=gnc_tls", {},
+                        BuiltinFactors());
+  EXPECT_EQ(losses.general.ToString(), "cauchy:1");
+  ASSERT_EQ(losses.by_type.size(), 3u);
+  EXPECT_EQ(losses.by_type.at("relative_pose").ToString(), "huber:2");
+  EXPECT_EQ(losses.by_type.at("robot_position").ToString(), "tukey:3");
+  const std::string text = losses.ToString();
+  EXPECT_EQ(ParseFactorLosses(text, {}, BuiltinFactors()).ToString(), text);
+}
+
+TEST(FactorLosses, WithoutTheFirstPartTheGeneralOneStays) {
+  const FactorLosses losses = ParseFactorLosses("gravity=dcs", {"cauchy", 2.4}, BuiltinFactors());
+  EXPECT_EQ(losses.ToString(), "cauchy:2.4,gravity=dcs");
+}
+
+TEST(FactorLosses, EveryFactorTakesOne) {
+  for (const auto& [name, type] : BuiltinFactors().types()) {
+    EXPECT_EQ(ParseFactorLosses(name + "=huber", {}, BuiltinFactors()).by_type.count(name), 1u);
+  }
+}
+
+TEST(FactorLosses, WhatIsNotSoIsWrongUsage) {
+  for (const char* text : {"", "huber,cauchy", "huber,", "huber,=dcs", "relative_pose=",
+                           "relative_pose=nothing", "relative_pose=huber,relative_pose=dcs"}) {
+    EXPECT_THROW(ParseFactorLosses(text, {}, BuiltinFactors()), UsageError) << text;
+  }
+  try {
+    ParseFactorLosses("gps=tukey:3", {}, BuiltinFactors());
+    ADD_FAILURE() << "there is no factor gps";
+  } catch (const UsageError& error) {
+    for (const auto& [name, type] : BuiltinFactors().types()) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << name;
+    }
+  }
+}
+
+TEST(ParseLoss, TakesCeresNameOfSoftL1) {
+  EXPECT_EQ(ParseLoss("soft_l_one:2").ToString(), "soft_l1:2");
 }
 
 }  // namespace

@@ -80,6 +80,12 @@ struct Rounds {
   }
 };
 
+MapOptions Graduated() {
+  MapOptions options = TwoThreads();
+  options.loss = ParseLoss("gnc_tls");
+  return options;
+}
+
 std::set<std::string> Names(const std::vector<SwitchedOff>& off) {
   std::set<std::string> names;
   for (const SwitchedOff& entry : off) names.insert(entry.target + "-" + entry.source);
@@ -115,8 +121,8 @@ TEST(CoherentRegistrations, AreSwitchedOffByAGraduatedLoss) {
       start[i] = start[i - 1] * rounds.odometry[i - 1].target_from_source;
     }
     std::vector<SwitchedOff> off;
-    const auto poses = SolveRelativePoses(rounds.scans, rounds.odometry, start,
-                                          ParseLoss("gnc_tls"), &rounds.pairs, &off);
+    const auto poses =
+        SolveRelativePoses(rounds.scans, rounds.odometry, start, Graduated(), &rounds.pairs, &off);
     EXPECT_EQ(Names(off), rounds.wrong) << seed;
     EXPECT_LT(LargestDistance(poses, rounds.truth), 0.1) << seed;
     for (const SwitchedOff& entry : off) {
@@ -131,8 +137,8 @@ TEST(CoherentRegistrations, OfNoneThatIsRightAnythingIsLost) {
     Rounds rounds(seed);
     std::vector<SwitchedOff> off;
     RefuseInconsistentLoops(rounds.scans, rounds.odometry, &rounds.pairs, &off);
-    SolveRelativePoses(rounds.scans, rounds.odometry, rounds.truth, ParseLoss("gnc_tls"),
-                       &rounds.pairs, &off);
+    SolveRelativePoses(rounds.scans, rounds.odometry, rounds.truth, Graduated(), &rounds.pairs,
+                       &off);
     EXPECT_TRUE(off.empty()) << seed;
   }
 }
@@ -141,12 +147,7 @@ class SiteWithCoherentRegistrations : public TestFolder {
  protected:
   SiteWithCoherentRegistrations() {
     WriteSite(Path("yard"), yard_);
-    result_ = MapScans(ReadSite(Path("yard/site.yaml")), Options());
-  }
-  static MapOptions Options() {
-    MapOptions options = TwoThreads();
-    options.loss = ParseLoss("gnc_tls");
-    return options;
+    result_ = MapScans(ReadSite(Path("yard/site.yaml")), Graduated());
   }
   // Solves with these registrations from where the odometry has the scans.
   void SolveAgain() {
@@ -154,12 +155,12 @@ class SiteWithCoherentRegistrations : public TestFolder {
     placement.world_from_scan =
         SolveRelativePoses(result_.scans, result_.odometry,
                            ChainPoses(result_.site, result_.scans, {}, result_.odometry),
-                           Options().loss, &result_.pairs, &result_.refused);
+                           Graduated(), &result_.pairs, &result_.refused);
     placement.placed.assign(result_.scans.size(), false);
     result_.solution =
         SolveJointly({&result_.site, &result_.scans, &result_.pairs, &result_.odometry,
                       &result_.maps, &result_.map_pairs, &placement, &result_.robot_positions},
-                     Options());
+                     Graduated());
   }
 
   SimulatedSite yard_ = SmallSite(SceneKind::kYard, 8, 10);
@@ -168,7 +169,7 @@ class SiteWithCoherentRegistrations : public TestFolder {
 
 TEST_F(SiteWithCoherentRegistrations, NamesJustThemAndIsSolvedRight) {
   const auto truth = TruthFromFirst(yard_);
-  const auto nothing = nlohmann::json::parse(ReportJson(result_, Options()))["switched_off"];
+  const auto nothing = nlohmann::json::parse(ReportJson(result_, Graduated()))["switched_off"];
   EXPECT_TRUE(nothing.empty()) << nothing.dump();
   const std::vector<Rigid3> clean = result_.solution.world_from_scan;
   EXPECT_LT(LargestDistance(clean, truth), 0.01);
@@ -186,7 +187,7 @@ TEST_F(SiteWithCoherentRegistrations, NamesJustThemAndIsSolvedRight) {
   SolveAgain();
   EXPECT_LT(LargestDistance(result_.solution.world_from_scan, clean), 0.002);
   std::set<std::string> named;
-  const auto report = nlohmann::json::parse(ReportJson(result_, Options()));
+  const auto report = nlohmann::json::parse(ReportJson(result_, Graduated()));
   for (const auto& off : report["switched_off"]) {
     named.insert(off["target"].get<std::string>() + "-" + off["source"].get<std::string>());
     EXPECT_EQ(off["kind"], "laser-laser");

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/solve/solver.h"
 
@@ -32,6 +33,44 @@ PoseFactor GravityOf(int pose, const Eigen::Vector3d& up, double sigma) {
   factor.information.diagonal().tail<3>().setConstant(std::pow(sigma, -2));
   factor.source = "gravity";
   return factor;
+}
+
+// One fix is far off: a loss of its factor's own switches it off and leaves the others alone.
+TEST(FactorLosses, AreOfTheirTypeAlone) {
+  Graph graph;
+  for (int k = 0; k < 6; ++k) {
+    graph.poses.push_back(
+        {std::to_string(k), {Eigen::Quaterniond::Identity(), {2.0 * k, 0, 0}}, k == 0});
+    graph.pose_factors.push_back(PositionOf(k, {0, 0, 0}, {2.0 * k, k == 4 ? 5.0 : 0.0, 0}, 0.5));
+    graph.pose_factors.back().robust = true;
+    if (k == 0) continue;
+    const Rigid3 step(Eigen::Quaterniond::Identity(), {2, 0, 0});
+    graph.pose_factors.push_back(
+        MakeRelativePose(k - 1, k, step, 1e2 * Matrix6d::Identity(), "odometry"));
+    graph.pose_factors.back().robust = true;
+  }
+  const Graph start = graph;
+  const auto off = [&](const SolveOptions& options) {
+    graph = start;
+    const SolveSummary summary = Solve(&graph, options);
+    for (const ResidualReport& report : summary.residuals) {
+      const PoseFactor& factor = graph.pose_factors[report.tag.pose_factor];
+      const bool wrong = factor.type == "robot_position" && factor.poses[0] == 4;
+      if (!options.factor_losses.empty()) {
+        EXPECT_EQ(report.weight < 0.01, wrong) << factor.type;
+        EXPECT_TRUE(factor.type == "robot_position" || report.weight == 1.0);
+      }
+    }
+    return graph.poses[4].world_from_node.translation.norm() - 8.0;
+  };
+  SolveOptions options;
+  EXPECT_GT(off(options), 0.01);
+  for (const char* loss : {"tukey:3", "gnc_tls"}) {
+    options.factor_losses = {{"robot_position", ParseLoss(loss)}};
+    EXPECT_NEAR(off(options), 0.0, 1e-3) << loss;
+  }
+  options.factor_losses = {{"gps", ParseLoss("tukey:3")}};
+  EXPECT_THROW(Solve(&graph, options), UsageError);
 }
 
 // A stiff chain whose antenna was measured at every pose: its place and heading follow.

@@ -13,12 +13,12 @@ std::vector<Rigid3> ChainPoses(const Site& site, const std::vector<ScanRecord>& 
                                const std::vector<OdometryStep>& odometry);
 
 /// Poses that agree best with all used registrations: a pose graph of relative poses, robust. With
-/// a graduated `loss` odometry is trusted, loops that are right or wrong together (GroupClosures)
-/// have one weight, and registrations that end without one are taken out of `pairs`, as
-/// `ambiguous`, and listed in *off.
+/// a graduated loss (of relative poses, else of the planes) odometry is trusted, loops that are
+/// right or wrong together (GroupClosures) have one weight, and registrations that end without one
+/// are taken out of `pairs`, as `ambiguous`, and listed in *off.
 std::vector<Rigid3> SolveRelativePoses(const std::vector<ScanRecord>& scans,
                                        const std::vector<OdometryStep>& odometry,
-                                       std::vector<Rigid3> start, const LossSpec& loss,
+                                       std::vector<Rigid3> start, const MapOptions& options,
                                        std::vector<PairRecord>* pairs,
                                        std::vector<SwitchedOff>* off);
 

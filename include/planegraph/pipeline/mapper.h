@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ struct MapOptions {
   std::string optimizer = "graph";  ///< graph, metascan, none
   std::string plane_factor = "moments";
   FactorOptions plane_factor_options;
-  LossSpec loss{"cauchy", 2.4};
+  LossSpec loss{"cauchy", 2.4};  ///< of the planes; measurements of poses and maps: cauchy:2.4
+  std::map<std::string, LossSpec> factor_losses;  ///< others, by the factor's name
   int threads = 0;
   SegmentationOptions segmentation;
   RegistrationOptions registration;
@@ -36,6 +38,12 @@ struct MapOptions {
       5e-4;  ///< metres, or the scans' noise floor: a round that moves no pose farther is the last
   Progress progress = [](const std::string&, double) {};
 };
+
+/// Loss of the plane factor, or of the measurements of one type.
+const LossSpec& PlaneLoss(const MapOptions& options);
+LossSpec MeasurementLoss(const MapOptions& options, const std::string& factor);
+/// All losses, as ParseFactorLosses reads them.
+std::string LossText(const MapOptions& options);
 
 /// What the joint solve left behind.
 struct JointSolution {

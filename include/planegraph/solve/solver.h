@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct SolveOptions {
   /// Of every plane residual, and of the pose factors that are marked robust. Graduated ones
   /// (gnc_tls, gnc_gm) are reached in an outer loop from the solution without loss.
   LossSpec plane_loss, pose_loss;
+  /// Other losses for factors of some types, by their names; they too are for factors that are
+  /// marked robust alone.
+  std::map<std::string, LossSpec> factor_losses;
   int max_iterations = 100;
   /// First radius of the trust region. Where weak priors alone (GPS of metres) hold a stiff graph,
   /// the default damps its motion as a whole a thousandfold; a large one lets it go at once.
