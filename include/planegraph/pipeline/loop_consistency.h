@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "planegraph/graph/consistency.h"
-#include "planegraph/pipeline/pairing.h"
+#include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/switched_off.h"
 
 namespace planegraph {
