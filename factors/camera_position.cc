@@ -24,6 +24,7 @@ void Register_camera_position(FactorRegistry* registry) {
   type.name = "camera_position";
   type.kind = FactorKind::kMap;
   type.description = "position of a camera of a drone map, by GPS";
+  type.source = "points under a similarity, Horn 1987; own derivation of the cost";
   type.residual = "camera's centre less its measured position (m, world's axes), whitened";
   type.parameters = {{"point", "map units", "the camera's centre in the map", 0.0, true},
                      {"position", "m", "where it was, world", 0.0, true},

@@ -71,6 +71,9 @@ void Register_closest_point(FactorRegistry* registry) {
   FactorType type;
   type.name = "closest_point";
   type.description = "plane landmark by its closest point to a reference beside the patch";
+  type.source =
+      "Geneva, Eckenhoff, Yang, Huang: LIPS: LiDAR-inertial 3D plane SLAM, IROS 2018; reference "
+      "moved beside the patch (own)";
   type.residual =
       "closest point of the landmark's plane to the reference less the measured one (m of the "
       "world, node's axes), along in-plane axis 1 and 2 and the normal, whitened";

@@ -248,6 +248,9 @@ void Register_eliminated(FactorRegistry* registry) {
   type.name = "eliminated";
   type.kind = FactorKind::kPlane;
   type.description = "all poses and maps that see a plane, the plane eliminated by its derivative";
+  type.source =
+      "variable projection, Golub and Pereyra 1973; of the kind of BALM (Liu and Zhang, RA-L 2021) "
+      "and eigen-factors (Ferrer, IROS 2019); own derivative";
   type.residual =
       "for each of a plane's k observations the residuals of `moments` against the best plane, "
       "over "

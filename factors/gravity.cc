@@ -25,6 +25,7 @@ void Register_gravity(FactorRegistry* registry) {
   type.name = "gravity";
   type.kind = FactorKind::kPose;
   type.description = "gravity as a scan sees it: ties the tilt to the world's vertical";
+  type.source = "own derivation: a direction in both frames";
   type.residual = "scan's direction upwards less the world's (rad, world's axes), whitened";
   type.parameters = {
       {"point", "-", "unit vector upwards in the scan's frame", 0.0, true},

@@ -27,6 +27,7 @@ void Register_map_gravity(FactorRegistry* registry) {
   type.kind = FactorKind::kMap;
   type.description =
       "gravity in a drone map whose vertical is known: ties the tilt to the world's vertical";
+  type.source = "`gravity` for a similarity; own derivation";
   type.residual = "map's direction upwards less the world's (rad, world's axes), whitened";
   type.parameters = {{"point", "-", "unit vector upwards in the map's frame", 0.0, true},
                      {"position", "-", "unit vector upwards in the world", 0.0, true},

@@ -42,6 +42,7 @@ void Register_map_moments(FactorRegistry* registry) {
   type.name = "map_moments";
   type.kind = FactorKind::kMapPlane;
   type.description = "plane landmark seen in a drone map of unknown scale, by the patch's moments";
+  type.source = "`moments` for a similarity, its scale on the map alone; own derivation";
   type.residual =
       "tilt about in-plane axis 1 and 2 (rad, map frame), offset at the centroid (m of the world, "
       "along the landmark's normal), each over its sigma";

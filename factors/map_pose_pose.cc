@@ -103,6 +103,7 @@ void Register_map_pose_pose(FactorRegistry* registry) {
   type.name = "map_pose_pose";
   type.kind = FactorKind::kMapPlane;
   type.description = "a plane seen in a drone map and by a scan, similarity and pose unknown";
+  type.source = "`pose_pose` for a similarity; own derivation";
   type.residual =
       "normal of the map's plane against in-plane axis 1 and 2 of the scan's (rad, its frame), "
       "centroid of the scan's over the map's (m of the world), each over its sigma";

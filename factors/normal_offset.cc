@@ -45,6 +45,9 @@ void Register_normal_offset(FactorRegistry* registry) {
   FactorType type;
   type.name = "normal_offset";
   type.description = "plane landmark by normal and offset with their covariance";
+  type.source =
+      "Weingarten and Siegwart: 3D SLAM using planar segments, IROS 2006; Trevor, Rogers, "
+      "Christensen: Planar surface SLAM with 3D and 2D sensors, ICRA 2012";
   type.residual =
       "normal along in-plane axis 1 and 2 (rad, node's frame) and distance from the node's origin "
       "(m of the world) against the measured ones, whitened by their joint covariance";

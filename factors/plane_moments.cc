@@ -43,6 +43,9 @@ void Register_plane_moments(FactorRegistry* registry) {
   type.name = "moments";
   type.kind = FactorKind::kPlane;
   type.description = "plane landmark by the moments of its points (exact point-to-plane in O(1))";
+  type.source =
+      "second moments in place of points, as in BALM (Liu and Zhang, RA-L 2021); own derivation of "
+      "the anchored offset";
   type.residual =
       "tilt about in-plane axis 1 and 2 (rad, scan frame), offset at the centroid (m, along the "
       "landmark's normal), each over its sigma";

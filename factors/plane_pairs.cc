@@ -95,6 +95,9 @@ void RegisterRelation(Relation relation, const std::string& name, const std::str
   type.name = name;
   type.kind = FactorKind::kPlanePair;
   type.description = "two landmarks are " + name;
+  type.source =
+      "relations of planes as constraints, as in Pathak, Birk et al. 2010 and in scene "
+      "reconstruction (Furukawa et al.: Manhattan-world stereo, CVPR 2009); own form";
   type.residual = residual;
   type.parameters = {{"sigma_angle", "rad", "sigma of the angle", 0.01, true}};
   if (relation == Relation::kCoplanar) {

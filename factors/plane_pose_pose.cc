@@ -124,6 +124,9 @@ void Register_plane_pose_pose(FactorRegistry* registry) {
   type.name = "pose_pose";
   type.kind = FactorKind::kPlane;
   type.description = "a plane seen by two scans, all pairs, pose unknowns only";
+  type.source =
+      "plane correspondences between scans, Pathak, Birk et al.: Fast registration based on noisy "
+      "planes, T-RO 2010; weight 2/k of the pairs (own)";
   type.residual =
       "normal of the first scan against in-plane axis 1 and 2 of the second (rad, its frame), "
       "centroid "

@@ -53,6 +53,9 @@ void Register_pose_prior(FactorRegistry* registry) {
   type.name = "pose_prior";
   type.kind = FactorKind::kPose;
   type.description = "absolute prior of one pose";
+  type.source =
+      "unary factor of pose graphs (Dellaert and Kaess: Factor graphs for robot perception, 2017), "
+      "decoupled SO(3) x R^3 error";
   type.residual =
       "translation (m) and rotation vector (rad) of the pose against the prior, world's axes, "
       "whitened";

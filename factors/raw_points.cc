@@ -96,6 +96,7 @@ void Register_raw_points(FactorRegistry* registry) {
   type.name = "raw_points";
   type.kind = FactorKind::kPlane;
   type.description = "plane landmark against every point (the reference of `moments`; slow)";
+  type.source = "point-to-plane distance, Chen and Medioni 1992";
   type.residual = "distance of each point from the landmark's plane (m of the world), weighted";
   type.parameters = {
       {"points", "m or map units", "the points themselves, node's frame", 0.0, true},

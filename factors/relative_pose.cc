@@ -76,6 +76,8 @@ void Register_relative_pose(FactorRegistry* registry) {
   type.name = "relative_pose";
   type.kind = FactorKind::kPose;
   type.description = "relative pose of two nodes, by registration or odometry";
+  type.source =
+      "Lu and Milios: Globally consistent range scan alignment, 1997; decoupled SO(3) x R^3 error";
   type.residual =
       "translation (m) and rotation vector (rad) of the estimate against the measurement, target's "
       "axes, "

@@ -25,6 +25,7 @@ void Register_robot_position(FactorRegistry* registry) {
   type.name = "robot_position";
   type.kind = FactorKind::kPose;
   type.description = "position of a robot's antenna, by GPS";
+  type.source = "GPS with a lever arm as a unary factor (Dellaert and Kaess 2017); own derivation";
   type.residual = "antenna less its measured position (m, world's axes), whitened";
   type.parameters = {{"point", "m", "the antenna in the scan's frame", 0.0, true},
                      {"measurement", "m", "its translation: where it was, world", 0.0, true},

@@ -66,6 +66,9 @@ void Register_unit_quaternion(FactorRegistry* registry) {
   FactorType type;
   type.name = "unit_quaternion";
   type.description = "plane landmark as a unit 4-vector, compared like quaternions";
+  type.source =
+      "Kaess: Simultaneous localization and mapping with infinite planes, ICRA 2015; origin moved "
+      "to the centroid (own)";
   type.residual =
       "logarithm of the measured 4-vector (n, d / unit_length) inverted times the predicted one "
       "(half the angle, node's axes, origin at the segment's centroid), whitened";

@@ -23,13 +23,14 @@ nlohmann::json ToJson(const FactorType& type) {
           {"kind", ToString(type.kind)},
           {"description", type.description},
           {"residual", type.residual},
+          {"source", type.source},
           {"plane_blocks", type.plane_blocks},
           {"parameters", parameters}};
 }
 
 void Print(const FactorType& type) {
   std::cout << type.name << " (" << ToString(type.kind) << "): " << type.description
-            << "\n  residual: " << type.residual << "\n";
+            << "\n  residual: " << type.residual << "\n  source: " << type.source << "\n";
   for (const FactorParameter& parameter : type.parameters) {
     std::cout << "  " << parameter.name << " [" << parameter.unit << "]: " << parameter.description;
     if (!parameter.is_field) std::cout << " (default " << parameter.default_value << ")";
@@ -51,7 +52,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command FactorsCommand() {
-  return {"factors", "", "the cost variants, with their parameters and units", {}, Run};
+  return {"factors", "", "the cost variants, with their parameters, units and sources", {}, Run};
 }
 
 }  // namespace planegraph::tools

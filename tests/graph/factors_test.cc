@@ -147,6 +147,8 @@ TEST_P(EveryFactor, SaysWhatItIs) {
   EXPECT_FALSE(type().description.empty());
   EXPECT_FALSE(type().residual.empty());
   EXPECT_EQ(type().description.find('\n'), std::string::npos);
+  EXPECT_FALSE(type().source.empty());
+  EXPECT_EQ(type().source.find('\n'), std::string::npos);
   for (const FactorParameter& parameter : type().parameters) EXPECT_FALSE(parameter.unit.empty());
   const FactorKind kind = type().kind;
   EXPECT_EQ(static_cast<bool>(type().add_plane),

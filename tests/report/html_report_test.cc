@@ -70,6 +70,28 @@ TEST_F(HtmlReport, ShowsWhatARegistrationIsWorth) {
   EXPECT_THAT(page, HasSubstr("3.0 mm along (1.0, 0.0, 0.0)"));  // sqrt(9e-6) m
 }
 
+TEST_F(HtmlReport, NamesWhatIsSwitchedOff) {
+  nlohmann::json report = SampleReport();
+  EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr("Switched off")));
+  report["switched_off"] = {{{"kind", "laser-laser"},
+                             {"target", "ugv/001"},
+                             {"source", "cart/<7>"},
+                             {"by", "consistency"},
+                             {"weight", 0.0},
+                             {"sigmas", 41.25},
+                             {"threshold_sigmas", 6.1875},
+                             {"contradicts", {"ugv/000-ugv/001"}},
+                             {"reason", "it contradicts 1 other registration"}},
+                            {{"kind", "robot_position"}, {"source", nullptr}}};
+  const std::string page = ReportOf(report.dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, HasSubstr("Switched off"));
+  EXPECT_THAT(page, HasSubstr("cart/&lt;7&gt;"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">41.2</td><td class=\"n\">6.2</td>"));
+  EXPECT_THAT(page, HasSubstr("ugv/000-ugv/001"));
+  EXPECT_THAT(page, HasSubstr("it contradicts 1 other registration"));
+}
+
 TEST_F(HtmlReport, PlotsCostsAndErrors) {
   const std::string page = ReportOf(SampleReport().dump());
   EXPECT_THAT(page, HasSubstr("aria-label=\"Cost of each iteration\""));

@@ -7,7 +7,7 @@ for formatter in clang-format-14 clang-format ""; do
   "$formatter" --version 2>/dev/null | grep -q 'version 14\.' && break
 done
 cd "$ROOT"
-mapfile -t sources < <(find include src factors tools benchmarks tests '(' -name '*.cc' -o -name '*.h' ')' 2>/dev/null | sort)
+mapfile -t sources < <(find include src factors tools benchmarks tests docs '(' -name '*.cc' -o -name '*.h' ')' 2>/dev/null | sort)
 if [ "${1:-}" = --fix ]; then
   "$formatter" -i "${sources[@]}"
 else

@@ -77,6 +77,7 @@ struct FactorType {
   FactorKind kind = FactorKind::kPlane;
   std::string description;  ///< one line
   std::string residual;     ///< order, frame, units
+  std::string source;       ///< one line: the paper that it is from, or whose derivation
   std::vector<FactorParameter> parameters;
   bool plane_blocks = false;  ///< the planes are unknowns of the problem
   /// Plane kind: the kMapPlane factor for what maps see of the planes; its own name where it takes
