@@ -119,6 +119,15 @@ MapLocation Locate(const MapRecord& map, const Scans& scans, const std::string& 
   return LocateInMap(MapModel(map.planes), scans.group, options);
 }
 
+// Null where nothing was compared, as by the search over cells.
+nlohmann::json ToJson(const MapSlide& slid) {
+  if (!(slid.metres > 0.0)) return nullptr;
+  const Eigen::Vector3d& d = slid.direction;
+  return {{"direction", {d.x(), d.y(), d.z()}},
+          {"metres", slid.metres},
+          {"probability", slid.probability}};
+}
+
 nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
   nlohmann::json candidates = nlohmann::json::array();
   for (const MapCandidate& candidate : location.candidates) {
@@ -139,6 +148,8 @@ nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
           {"r1", location.r1},
           {"r2", location.r2},
           {"chance", location.chance},
+          {"nowhere", location.nowhere},
+          {"slid", ToJson(location.slid)},
           {"map", {{"planes", map.planes.planes.size()}, {"sigma_scale", map.sigma_scale}}}};
 }
 
@@ -158,6 +169,11 @@ int Run(const std::vector<std::string>& arguments) {
     }
     std::printf("score %.3f, the next different place %.3f; %.2f s\n", location.r1, location.r2,
                 SecondsSinceStart());
+    if (location.slid.metres > 0.0) {
+      std::printf("its closest rival beside it: %.2f m along %.2f %.2f %.2f, probability %.1e\n",
+                  location.slid.metres, location.slid.direction.x(), location.slid.direction.y(),
+                  location.slid.direction.z(), location.slid.probability);
+    }
   }
   EmitResult(json, true);
   if (location.status == RegistrationStatus::kOk) return 0;

@@ -3,15 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "planegraph/registration/map_refinement.h"
+#include "registration/map_word.h"
 
 namespace planegraph {
 namespace {
 
-constexpr double kLeastCosine = 0.94;
 constexpr std::size_t kSamples = 256;  // of each scan
 constexpr double kPierceMargin = 0.7;  // metres that a beam must go on beyond a surface
 constexpr double kViewRadius = 25.0;   // metres about a scan in which the map is looked through
@@ -31,12 +30,17 @@ constexpr double kLeastBackground = 0.05, kMostBackground = 0.5;
 class Blocks {
  public:
   void Add(const Eigen::Vector3d& place, const Eigen::Vector3d& normal, double weight) {
-    weights_[MapBlock(place, normal)] += weight;
+    weights_.push_back({MapBlock(place, normal), weight});
   }
   // Number of equally heavy blocks that would say as much.
-  double Effective() const {
+  double Effective() {
+    std::stable_sort(weights_.begin(), weights_.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     double sum = 0.0, squares = 0.0;
-    for (const auto& [key, weight] : weights_) {
+    for (std::size_t k = 0; k < weights_.size();) {
+      const std::uint64_t block = weights_[k].first;
+      double weight = 0.0;
+      for (; k < weights_.size() && weights_[k].first == block; ++k) weight += weights_[k].second;
       sum += weight;
       squares += weight * weight;
     }
@@ -44,7 +48,7 @@ class Blocks {
   }
 
  private:
-  std::map<std::uint64_t, double> weights_;
+  std::vector<std::pair<std::uint64_t, double>> weights_;
 };
 
 // The map's surfaces about the scans that their lasers looked through, and that they met (m^2).
@@ -99,11 +103,13 @@ std::vector<Agreements> CompareSurfaces(const MapModel& map, const ScanGroup& gr
     const double weight = share_of_scan * s.weight;
     blocks.Add(s.mean, s.normal, weight);
     scans[s.scan].all += share;
-    if (map.surfaces().Find(place, normal, gate, kLeastCosine) >= 0) {
+    const int found = map.surfaces().Find(place, normal, gate, kSameFacing);
+    const MapWord word = WordOf(map, found, place, normal);
+    if (word == MapWord::kConfirmed) {
       scans[s.scan].good += share;
       scans[s.scan].agree += s.weight;
       evidence->confirmed += weight;
-    } else if (!map.sky().known() || map.sky().Open(place, normal)) {
+    } else if (word == MapWord::kContradicted) {
       evidence->contradicted += weight;
     }
   }
@@ -144,14 +150,6 @@ double LogTail(double trials, double share, double expected) {
 double MapEvidence::ConfirmedShare() const {
   const double spoken = confirmed + contradicted;
   return spoken > 0.0 ? confirmed / spoken : 0.5;
-}
-
-MapEvidence MeasureSurfaces(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
-                            double gate) {
-  MapEvidence evidence;
-  evidence.expected_contradicted = map.sky().known() ? kContradicted : kMissed;
-  CompareSurfaces(map, group, map_from_group, gate, &evidence);
-  return evidence;
 }
 
 MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,

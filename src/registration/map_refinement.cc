@@ -159,6 +159,7 @@ MapRefinement Refiner::Run(Sim3 pose) const {
     gate = std::max(options_.last_gate, 0.7 * gate);
   }
   result.map_from_group = pose;
+  if (options_.pose_only) return result;
   result.residuals = Associate(pose, options_.last_gate);
   result.floor = std::sqrt(floor);
   result.covariance = Covariance(pose, result.residuals);

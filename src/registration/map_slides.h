@@ -8,17 +8,15 @@ namespace planegraph {
 /// A pose beside the one that was found.
 struct Slide {
   Sim3 map_from_group;
-  double metres = 0.0;  ///< from the pose that was found
-  /// Log of the odds of the pose that was found over this one, nats.
-  double lead = 0.0;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, map's axes
+  double metres = 0.0;                                  ///< from the pose that was found
+  /// Log of the odds of the pose that was found over this one, nats: by all surfaces, and where one
+  /// of the walls may be another one.
+  double lead_of_all = 0.0, lead = 0.0;
 };
 
 /// The pose that fits best of those two to four of the refinement's last gates off along the
-/// principal axes of the pose's uncertainty. What both poses confirm does not tell them apart; of
-/// what only one of them confirms or contradicts, nine surfaces in ten speak for the right one (as
-/// everywhere in the evidence), so that each is worth log 9. A pose is no better than the few
-/// surfaces that face the direction in which it is weakest: a wall's other side or a gable's makes
-/// one that is off by its thickness.
+/// principal axes of the pose's uncertainty (see PoseRivals).
 Slide ClosestSlide(const MapModel& map, const ScanGroup& group, const MapRefinement& found,
                    double gate);
 

@@ -65,6 +65,12 @@ TEST_F(LocateJob, FindsAScanByGpsScaleAndByAStatedOne) {
     EXPECT_LT(Error(found, 0), 0.2);
     const double unit = found["candidates"][0]["map_from_scan"]["scale"].get<double>();
     EXPECT_NEAR(unit * Truth()["scale"].get<double>(), 1.0, 0.01);
+    const json& slid = found["slid"];
+    EXPECT_GT(slid["metres"].get<double>(), 0.0);
+    EXPECT_LE(slid["probability"].get<double>(), found["chance"].get<double>());
+    double square = 0.0;
+    for (const json& d : slid["direction"]) square += d.get<double>() * d.get<double>();
+    EXPECT_NEAR(square, 1.0, 1e-9);
   }
 }
 

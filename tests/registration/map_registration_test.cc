@@ -1,6 +1,7 @@
 // A group of scans in a drone map: found, ambiguous, refused, and the evidence for it.
 #include "planegraph/registration/map_registration.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -186,8 +187,12 @@ TEST(LocateInMap, APoseThatOneWallHoldsInADirectionIsNotOk) {
   options.prior.pose = MapPrior::Pose{MakePose(0.5, -0.5, 1.5, 0.2), 1.0, 0.17};
   const MapLocation found = LocateInMap(map.model(), ScanGroup(scan.model()), options);
   EXPECT_NE(found.status, RegistrationStatus::kOk);
-  EXPECT_GT(found.slid, options.most_chance);
-  EXPECT_NE(found.reason, "");
+  EXPECT_GT(found.slid.probability, options.most_chance);
+  // Along the street, in the map's axes, by more than what is one place.
+  EXPECT_GT(std::abs(found.slid.direction.x()), 0.95);
+  EXPECT_NEAR(found.slid.direction.norm(), 1.0, 1e-9);
+  EXPECT_GT(found.slid.metres, MapRefinementOptions().last_gate);
+  EXPECT_THAT(found.reason, testing::HasSubstr(" m beside it, along ("));
 }
 
 TEST(LocateInMap, AScanOfElsewhereIsRefused) {

@@ -42,6 +42,48 @@ TEST(ClosestSlide, OnBareGroundAPoseBesideFitsAsWell) {
   EXPECT_LT(std::abs(slide.lead), 1.0);
 }
 
+// A straight street along x that ends at `ends` of its ends: houses on both sides hold it across.
+RayWorld StraightStreet(int ends) {
+  RayWorld world;
+  world.AddFace({0, 0, 0}, Eigen::Vector3d::UnitZ(), 14.0, 45.0);
+  for (const double side : {-1.0, 1.0}) {
+    world.AddFace({0, side * 7.0, 3.0}, {0, -side, 0}, 40.0, 3.0);
+    if (side < 2.0 * ends - 2.0) {
+      world.AddFace({side * 12.0, 0, 3.0}, {-side, 0, 0}, 6.0, 3.0);
+    }
+  }
+  return world;
+}
+
+Slide SlideInStreet(int ends) {
+  const RayWorld world = StraightStreet(ends);
+  const VillageMap map(world);
+  const Rigid3 pose = MakePose(0, 0, 1.3, 0.1);
+  const MadeScan scan(world, pose, 1, 60000);
+  return ClosestSlide(map.model(), ScanGroup(scan.model()), RefinedAt(map, scan, Sim3(pose)),
+                      kGate);
+}
+
+// However long the wall is and however well it fits: it is one.
+TEST(ClosestSlide, OneWallAcrossAStreetDoesNotHoldItAlong) {
+  const Slide slide = SlideInStreet(1);
+  EXPECT_GT(std::abs(slide.direction.x()), 0.95);
+  EXPECT_LT(slide.lead, std::log(1e3));
+  EXPECT_GT(slide.lead_of_all, slide.lead);
+}
+
+TEST(ClosestSlide, WallsAtBothEndsOfAStreetHoldItAlong) {
+  EXPECT_GT(SlideInStreet(2).lead, std::log(1e3));
+}
+
+TEST(ClosestSlide, TheLeadIsNeverMoreThanThatOfAllSurfaces) {
+  for (const int ends : {0, 1, 2}) {
+    const Slide slide = SlideInStreet(ends);
+    EXPECT_LE(slide.lead, slide.lead_of_all + 1e-9) << ends;
+    EXPECT_NEAR(slide.direction.norm(), 1.0, 1e-9);
+  }
+}
+
 MapPrior StartAt(double sigma_translation, double sigma_rotation) {
   MapPrior prior;
   prior.upright = true;

@@ -17,6 +17,8 @@ class OpenSky {
 
   /// False where nobody knows which way the surfaces face: nothing is open then.
   bool known() const { return !highest_.empty(); }
+  /// Unit, map's frame; zero where it is not known.
+  Eigen::Vector3d up() const { return columns_from_map_.row(2); }
   /// Whether the air at a place (map's frame, metres) is known to be free.
   bool Free(const Eigen::Vector3d& point) const;
   /// Whether a surface at a place, facing so, stands in the open: the drone would have seen it, its

@@ -35,10 +35,6 @@ struct MapEvidence {
 MapEvidence MeasureEvidence(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
                             double gate);
 
-/// The surfaces' part of it alone: `confirmed`, `contradicted`, `surfaces`.
-MapEvidence MeasureSurfaces(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
-                            double gate);
-
 /// What a wrong pose looks like: the share of what the map speaks about that it confirms there.
 double BackgroundShare(const std::vector<const MapEvidence*>& wrong);
 

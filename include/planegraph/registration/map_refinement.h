@@ -15,6 +15,7 @@ struct MapRefinementOptions {
   std::size_t most_surfels = 1500;  ///< of all scans together
   double scale = 1.0;               ///< prior of the scale
   double sigma_scale = 0.02;        ///< of log(scale) about it; 0: the scale is held
+  bool pose_only = false;           ///< no residuals and no covariance of the result
 };
 
 /// A pair of surfaces that lie on each other: its height over the map's plane, for the statistics.

@@ -29,6 +29,13 @@ struct MapLocationOptions {
   int threads = 1;
 };
 
+/// The pose some decimetres beside the best one that rivals it most.
+struct MapSlide {
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, map's axes: from the best pose
+  double metres = 0.0;                                  ///< how far it is from that
+  double probability = 0.0;                             ///< that the scans stand there
+};
+
 /// Where a group of scans stands in a map.
 struct MapLocation {
   RegistrationStatus status = RegistrationStatus::kFailed;
@@ -38,7 +45,7 @@ struct MapLocation {
   double chance = 1.0;                   ///< probability that the best one is wrong
   double background = 0.5;               ///< what of the map's word wrong poses get confirmed
   double nowhere = 1.0;                  ///< and of it, that the scans stand at none of them
-  double slid = 0.0;                     ///< and of it, that they stand some decimetres beside it
+  MapSlide slid;                         ///< and of it, that they stand beside it
 };
 
 /// Planes of the map and of a scan that lie on each other, by the scan's samples, most first.
