@@ -24,6 +24,7 @@ constexpr int kMostDraws = 50;             // for a row that stands apart from t
 constexpr std::size_t kMostRotations = 5;  // that get a translation
 constexpr int kRefinements = 3;
 constexpr std::size_t kMostRivals = 500;  // of the best pose that its lead is judged by
+constexpr double kSameDirection = 0.966;  // 15 deg
 constexpr double kWidenings[] = {1.0, 2.0, 4.0};
 constexpr double kSure = -3.0;  // log10 of the chance: no wider gate is tried
 
@@ -31,13 +32,37 @@ struct RotationGuess {
   Matrix3d target_from_source;
   Matrix3d covariance = Matrix3d::Zero();  // of the left perturbation
   std::vector<int> agreeing;
+  double weight = 0.0;  // of those that agree
 };
 
 struct TriedPose {
   Sim3 pose;
   const RotationGuess* guess;
   std::vector<int> agreeing;  // increasing
+  double weight;              // of them
 };
+
+// Surfaces that face one way count by the square root of their number: most of a yard's landmarks
+// lie on its ground, which agrees with any turn about the vertical and any place.
+std::vector<double> DirectionWeights(const std::vector<SharedLandmark>& shared) {
+  std::vector<Vector3d> directions;
+  std::vector<double> counts;
+  std::vector<std::size_t> direction_of;
+  for (const SharedLandmark& s : shared) {
+    const auto found = std::find_if(directions.begin(), directions.end(), [&](const Vector3d& d) {
+      return d.dot(s.target_normal) > kSameDirection;
+    });
+    direction_of.push_back(static_cast<std::size_t>(found - directions.begin()));
+    if (found == directions.end()) {
+      directions.push_back(s.target_normal);
+      counts.push_back(0.0);
+    }
+    counts[direction_of.back()] += 1.0;
+  }
+  std::vector<double> weights;
+  for (const std::size_t d : direction_of) weights.push_back(1.0 / std::sqrt(counts[d]));
+  return weights;
+}
 
 // Half of the tilt's variance to each of the two planes.
 PlaneMatch MakeMatch(const SharedLandmark& s) {
@@ -52,7 +77,7 @@ PlaneMatch MakeMatch(const SharedLandmark& s) {
 class ConsensusSearch {
  public:
   ConsensusSearch(const std::vector<SharedLandmark>& shared, const PairConsensusOptions& options)
-      : shared_(shared), options_(options), rng_(options.seed) {
+      : shared_(shared), options_(options), weights_(DirectionWeights(shared)), rng_(options.seed) {
     for (const SharedLandmark& s : shared) matches_.push_back(MakeMatch(s));
   }
 
@@ -60,9 +85,8 @@ class ConsensusSearch {
     const std::vector<RotationGuess> guesses = BestRotations();
     std::vector<TriedPose> tried;
     for (const RotationGuess& guess : guesses) TryTranslations(guess, &tried);
-    std::stable_sort(tried.begin(), tried.end(), [](const TriedPose& a, const TriedPose& b) {
-      return a.agreeing.size() > b.agreeing.size();
-    });
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const TriedPose& a, const TriedPose& b) { return a.weight > b.weight; });
     if (tried.empty() || static_cast<int>(tried[0].agreeing.size()) < SampleSize() + 2) return {};
     PairConsensus consensus;
     consensus.log10_chance = Log10Chance(tried);
@@ -76,6 +100,11 @@ class ConsensusSearch {
 
  private:
   int SampleSize() const { return options_.scale_known ? 3 : 4; }
+  double WeightOf(const std::vector<int>& agreeing) const {
+    double sum = 0.0;
+    for (int k : agreeing) sum += weights_[k];
+    return sum;
+  }
   int Draw(int count) { return static_cast<int>(rng_() % static_cast<std::uint64_t>(count)); }
 
   bool NormalsAgree(const Matrix3d& rotation, const Vector3d& target, const Vector3d& source,
@@ -138,13 +167,13 @@ class ConsensusSearch {
     for (int i = 0; i < options_.rotation_samples; ++i) {
       const auto rotation = RotationOfSample();
       // A sample's rotation has an error of its own beside that of the normals.
-      if (rotation)
-        guesses.push_back(
-            {*rotation, Matrix3d::Zero(), NormalsAgreeing(*rotation, std::sqrt(2.0))});
+      if (!rotation) continue;
+      std::vector<int> agreeing = NormalsAgreeing(*rotation, std::sqrt(2.0));
+      const double weight = WeightOf(agreeing);
+      guesses.push_back({*rotation, Matrix3d::Zero(), std::move(agreeing), weight});
     }
-    std::stable_sort(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) {
-      return a.agreeing.size() > b.agreeing.size();
-    });
+    std::stable_sort(guesses.begin(), guesses.end(),
+                     [](const auto& a, const auto& b) { return a.weight > b.weight; });
     std::vector<RotationGuess> best;
     for (RotationGuess& guess : guesses) {
       if (best.size() == kMostRotations) break;
@@ -206,18 +235,24 @@ class ConsensusSearch {
     return solution;
   }
 
-  bool OffsetAgrees(const Sim3& pose, const Matrix3d& rotation_covariance,
-                    const SharedLandmark& s) const {
+  // Of a landmark's height over its counterpart: by its own offset, its tilt, and the rotation.
+  double HeightVariance(const Sim3& pose, const Matrix3d& rotation_covariance,
+                        const SharedLandmark& s) const {
     const Vector3d turned = pose.scale * (pose.rotation * s.source_centroid);
     const Vector3d apart = turned + pose.translation - s.target_centroid;
     const Vector3d normal = (s.target_normal + pose.rotation * s.source_normal).normalized();
-    const double height = normal.dot(apart);
-    const double lever = (apart - height * normal).norm();
+    const double lever = (apart - normal.dot(apart) * normal).norm();
     const Vector3d by_rotation = turned.cross(normal);
-    const double variance = s.offset_sigma * s.offset_sigma +
-                            std::pow(0.5 * s.tilt_sigma * lever, 2) +
-                            by_rotation.dot(rotation_covariance * by_rotation);
-    return std::abs(height) <= options_.gate_sigmas * std::sqrt(variance);
+    return s.offset_sigma * s.offset_sigma + std::pow(0.5 * s.tilt_sigma * lever, 2) +
+           by_rotation.dot(rotation_covariance * by_rotation);
+  }
+
+  bool OffsetAgrees(const Sim3& pose, const Matrix3d& rotation_covariance,
+                    const SharedLandmark& s) const {
+    const Vector3d apart = pose * s.source_centroid - s.target_centroid;
+    const Vector3d normal = (s.target_normal + pose.rotation * s.source_normal).normalized();
+    return std::abs(normal.dot(apart)) <=
+           options_.gate_sigmas * std::sqrt(HeightVariance(pose, rotation_covariance, s));
   }
 
   static Sim3 PoseOf(const RotationGuess& guess, const Eigen::Vector4d& solution) {
@@ -257,7 +292,9 @@ class ConsensusSearch {
       const auto solution = SolveSample(rows);
       if (!solution) continue;
       const Sim3 pose = PoseOf(guess, *solution);
-      tried->push_back({pose, &guess, OffsetsAgreeing(pose, guess)});
+      std::vector<int> agreeing = OffsetsAgreeing(pose, guess);
+      const double weight = WeightOf(agreeing);
+      tried->push_back({pose, &guess, std::move(agreeing), weight});
     }
   }
 
@@ -281,7 +318,8 @@ class ConsensusSearch {
     double sum = 0.0;
     for (int k : best.agreeing) {
       const Row row = OffsetRow(best.guess->target_from_source, shared_[k]);
-      sum += std::pow(row.coefficients.dot(shift) / shared_[k].offset_sigma, 2);
+      sum += std::pow(row.coefficients.dot(shift), 2) /
+             HeightVariance(best.pose, best.guess->covariance, shared_[k]);
     }
     const double gate = 2.0 * options_.gate_sigmas;
     return sum > gate * gate * static_cast<double>(best.agreeing.size());
@@ -315,6 +353,7 @@ class ConsensusSearch {
   const std::vector<SharedLandmark>& shared_;
   const PairConsensusOptions& options_;
   std::vector<PlaneMatch> matches_;  // the same landmarks, as the closed form takes them
+  std::vector<double> weights_;
   std::mt19937_64 rng_;
 };
 
