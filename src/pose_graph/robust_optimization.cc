@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planegraph/base/chi_square.h"
+#include "planegraph/base/median.h"
 #include "pose_graph/optimizer.h"
 
 namespace planegraph {
@@ -27,6 +28,11 @@ constexpr double kSwitchedOff = 0.02;
 // The truncated cost falls with every change of the weights, so few changes are needed.
 constexpr int kMaxFinalSolves = 20;
 
+// A bound by the noise that the edges show is taken where it is so much below the one by the noise
+// that they claim; it is beyond all chance, as the noise need not be the same everywhere.
+constexpr double kNoticeable = 0.75, kConfidence = 1.0 - 1e-6;
+constexpr double kLeastRedundancy = 0.2;  // of the edges that are kept, for the noise to be seen
+
 template <int Dim>
 class GncRun {
  public:
@@ -42,24 +48,56 @@ class GncRun {
 
   GncSummary Run() {
     const auto start = std::chrono::steady_clock::now();
-    const bool truncated = options_.kernel == GncKernel::kTruncated;
-    if (truncated) solve_.max_iterations = kTruncatedSteps;
-    solve_.tolerance = kRoundTolerance;
-    if (!truncated) Solve();
-    schedule_.Start(RobustChi2());
-    while (!schedule_.Finished() && summary_.rounds < options_.max_rounds) {
-      SetWeights([this](double chi2) { return schedule_.Weight(chi2); });
-      Solve();
-      schedule_.Advance(RobustChi2());
+    const std::vector<GraphPose<Dim>> first = graph_.poses;
+    Graduate();
+    const double measured = MeasuredScale();
+    if (options_.scale <= 0.0 && measured < kNoticeable * scale_) {
+      graph_.poses = first;
+      scale_ = measured;
+      schedule_ = GncSchedule(options_.kernel, scale_);
+      summary_.weights.assign(graph_.edges.size(), 1.0);
+      Graduate();
     }
-    SolveFinally();
     summary_.robust_cost = RobustCost();
+    summary_.scale = scale_;
     summary_.last.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return summary_;
   }
 
  private:
+  void Graduate() {
+    const bool truncated = options_.kernel == GncKernel::kTruncated;
+    const int last_round = summary_.rounds + options_.max_rounds;
+    solve_ = PoseGraphOptions();
+    if (truncated) solve_.max_iterations = kTruncatedSteps;
+    solve_.tolerance = kRoundTolerance;
+    if (!truncated) Solve();
+    schedule_.Start(RobustChi2());
+    while (!schedule_.Finished() && summary_.rounds < last_round) {
+      SetWeights([this](double chi2) { return schedule_.Weight(chi2); });
+      Solve();
+      schedule_.Advance(RobustChi2());
+    }
+    SolveFinally();
+  }
+
+  // The bound by the noise of the edges that were kept: the median of their chi2, which no few
+  // false ones move, less what the unknowns take of it.
+  double MeasuredScale() const {
+    constexpr int kDegrees = kPoseDimension<Dim>;
+    std::vector<double> chi2;
+    for (std::size_t k = 0; k < graph_.edges.size(); ++k) {
+      if (summary_.weights[k] >= 0.5) chi2.push_back(EdgeChi2(graph_, graph_.edges[k]));
+    }
+    const double redundancy =
+        1.0 - static_cast<double>(graph_.poses.size()) / std::max<double>(1.0, chi2.size());
+    if (redundancy < kLeastRedundancy) return scale_;
+    const double variance =
+        Median(std::move(chi2)) / (redundancy * ChiSquareQuantile(0.5, kDegrees));
+    return std::sqrt(variance * ChiSquareQuantile(kConfidence, kDegrees));
+  }
+
   std::vector<double> RobustChi2() const {
     std::vector<double> chi2;
     for (const GraphEdge<Dim>& edge : graph_.edges) {

@@ -60,6 +60,26 @@ void AddFalseClosures(double share, std::mt19937_64* rng, PoseGraph3* graph) {
   }
 }
 
+// `runs` stretches of `length` poses, each taken for another stretch by one and the same motion.
+void AddFalseRuns(int runs, int length, std::mt19937_64* rng, PoseGraph3* graph) {
+  std::vector<GraphEdge<3>> closures;
+  for (const GraphEdge<3>& edge : graph->edges) {
+    if (edge.robust) closures.push_back(edge);
+  }
+  for (int run = 0; run < runs;) {
+    GraphEdge<3> edge = closures[(*rng)() % closures.size()];
+    const int from = static_cast<int>((*rng)() % (kPoses - length));
+    const int to = static_cast<int>((*rng)() % (kPoses - length));
+    const int apart = std::abs(to - from);
+    if (apart <= length || std::abs(apart - kPerRing) < 2) continue;
+    for (int k = 0; k < length; ++k) {
+      edge.from = from + k, edge.to = to + k;
+      graph->edges.push_back(edge);
+    }
+    ++run;
+  }
+}
+
 // Root mean square of the positions' errors after the best rigid alignment.
 double TrajectoryError(const PoseGraph3& graph, const PoseGraph3& truth) {
   std::vector<Eigen::Vector3d> found, wanted;
@@ -95,6 +115,34 @@ TEST_P(FalseClosures, LeaveTheTrajectoryAsGoodAsWithoutThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shares, FalseClosures, testing::Values(0.1, 0.5, 1.0));
+
+// Runs of false closures that support each other, in a graph that claims five times its noise: the
+// odometry is then loose enough to give way to a run, unless the noise is measured.
+TEST(OptimizeByGnc, MeasuresTheNoiseThatIsFarBelowItsClaim) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    const PoseGraph3 truth = Sphere(&rng);
+    PoseGraph3 clean = truth;
+    for (GraphEdge<3>& edge : clean.edges) edge.information /= 25.0;
+    PoseGraph3 dirty = clean;
+    InitializeChordal(&clean);
+    OptimizePoseGraph(&clean);
+    AddFalseRuns(20, 8, &rng, &dirty);
+    InitializeChordalFromTrusted(&dirty);
+    const GncSummary summary = OptimizeByGnc(&dirty);
+    // 6.19 claimed sigmas would be one in a million; they are five times too large.
+    EXPECT_NEAR(summary.scale, 6.19 / 5.0, 0.15);
+    std::size_t rejected = 0;
+    for (std::size_t k = 0; k < dirty.edges.size(); ++k) {
+      const bool is_false = k >= truth.edges.size();
+      EXPECT_TRUE(!is_false || summary.weights[k] == 0.0) << k;
+      rejected += !is_false && summary.weights[k] < 0.5;
+    }
+    EXPECT_EQ(rejected, 0u);
+    EXPECT_LE(TrajectoryError(dirty, truth), 1.5 * TrajectoryError(clean, truth));
+  }
+}
 
 // The weights are those of the robust cost at the poses that were found.
 TEST(OptimizeByGnc, EndsWhereWeightsAndPosesAgree) {
