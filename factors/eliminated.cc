@@ -199,6 +199,7 @@ void AddPlane(const Graph& graph, int index, const FactorOptions&, ResidualSink*
   std::erase_if(observations, [](const auto& seen) { return !(seen.offset_weight > 0.0); });
   if (observations.size() < 2) return;  // a plane that one node sees holds nothing
   std::vector<BlockRef> blocks;
+  blocks.reserve(observations.size());
   for (const PlaneObservation& seen : observations) {
     blocks.push_back(seen.map >= 0 ? BlockRef{BlockKind::kMap, seen.map}
                                    : BlockRef{BlockKind::kPose, seen.pose});
