@@ -10,8 +10,12 @@ const ARGUMENTS = [
   '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
 ];
 
+// Milliseconds: other programs may keep the machine busy.
+const PATIENCE = 120000;
+
 async function open(browser, options) {
   const context = await browser.newContext(options);
+  context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   const faults = [];
   page.on('console', (message) => {
@@ -119,10 +123,15 @@ async function checkKeys(page) {
   await canvas.focus();
   for (const key of ['ArrowLeft', 'ArrowUp', '+', '-', 'Shift+ArrowRight']) {
     await settle(page);
-    const before = await measure(page);
+    const before = JSON.stringify(await measure(page));
     await canvas.press(key);
-    await settle(page);
-    assert.notDeepEqual(await measure(page), before, `${key} does nothing`);
+    const end = Date.now() + PATIENCE;
+    let after = before;
+    while (after === before && Date.now() < end) {
+      await settle(page);
+      after = JSON.stringify(await measure(page));
+    }
+    assert.notEqual(after, before, `${key} does nothing`);
   }
 }
 
@@ -136,24 +145,29 @@ function firstPaint(page) {
   }));
 }
 
-// The very first page that a browser paints waits for the browser itself, whatever is on it.
-async function warmUp(browser) {
-  const page = await browser.newPage();
-  await page.goto('data:text/html,<p>warm');
-  await firstPaint(page);
-  await page.close();
+// Of an empty page. The very first one that a browser paints waits for the browser itself.
+async function paintOfNothing(browser) {
+  let paint;
+  for (let i = 0; i < 2; i++) {
+    const page = await browser.newPage();
+    await page.goto('data:text/html,<p>nothing');
+    paint = await firstPaint(page);
+    await page.close();
+  }
+  return paint;
 }
 
-// The best of a few: other programs may keep the machine busy for a while.
+// The best of a few, less what an empty page takes then: other programs may keep the machine busy.
 async function checkFirstPaint(browser) {
   const paints = [];
   for (let i = 0; i < 5 && !(Math.min(...paints) < 2000); i++) {
+    const nothing = await paintOfNothing(browser);
     const page = await browser.newPage({viewport: {width: 1280, height: 900}});
     await page.goto(`file://${report}`);
-    paints.push(Math.round(await firstPaint(page)));
+    paints.push(Math.round(await firstPaint(page) - nothing));
     await page.close();
   }
-  console.log(`first paint after ${paints.join(', ')} ms`);
+  console.log(`first paint after ${paints.join(', ')} ms more than an empty page's`);
   assert.ok(Math.min(...paints) < 2000, 'the first paint takes too long');
 }
 
@@ -191,7 +205,6 @@ const megabytes = statSync(report).size / 1e6;
 assert.ok(megabytes < 15, `the report has ${megabytes} MB`);
 const browser = await chromium.launch({executablePath, args: ARGUMENTS});
 try {
-  await warmUp(browser);
   await checkFirstPaint(browser);
   await checkDesktop(browser);
   await checkPhone(browser);
