@@ -44,7 +44,7 @@ class SiteReader : private YamlReader {
 
 std::vector<double> SiteReader::Numbers(const YAML::Node& node, std::size_t count,
                                         const std::string& what) const {
-  const auto values = Value<std::vector<double>>(node, what);
+  auto values = Value<std::vector<double>>(node, what);
   if (values.size() != count) {
     Fail(node, what + " needs " + std::to_string(count) + " numbers");
   }
@@ -109,7 +109,7 @@ std::optional<Trajectory> SiteReader::Odometry(const YAML::Node& robot,
 
 std::string SiteReader::Format(const YAML::Node& robot) const {
   static const std::set<std::string> kFormats = {"auto", "3dtk", "ply", "pcd", "xyz"};
-  const std::string format = Text(robot, "format", "auto");
+  std::string format = Text(robot, "format", "auto");
   if (!kFormats.count(format)) {
     Fail(robot["format"], "unknown format '" + format + "' (auto, 3dtk, ply, pcd, xyz)");
   }

@@ -30,7 +30,7 @@ constexpr double kLeastBackground = 0.05, kMostBackground = 0.5;
 class Blocks {
  public:
   void Add(const Eigen::Vector3d& place, const Eigen::Vector3d& normal, double weight) {
-    weights_.push_back({MapBlock(place, normal), weight});
+    weights_.emplace_back(MapBlock(place, normal), weight);
   }
   // Number of equally heavy blocks that would say as much.
   double Effective() {

@@ -25,8 +25,8 @@ struct CovarianceOptions {
 /// solution.
 class GraphCovariance {
  public:
-  GraphCovariance(const Graph& graph, const SolveOptions& options = {},
-                  const CovarianceOptions& covariance_options = {});
+  explicit GraphCovariance(const Graph& graph, const SolveOptions& options = {},
+                           const CovarianceOptions& covariance_options = {});
   ~GraphCovariance();
 
   /// Covariance of world_from_node; zero for a fixed pose. Rows and columns of axes along which
