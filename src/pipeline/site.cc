@@ -86,10 +86,9 @@ std::vector<std::string> SiteReader::Scans(const YAML::Node& robot,
 
 std::optional<Trajectory> SiteReader::Odometry(const YAML::Node& robot,
                                                const RobotSite& site) const {
-  const std::string file = File(robot, "odometry");
   std::optional<Trajectory> odometry;
-  if (!file.empty()) {
-    odometry = ReadTrajectory(file);
+  if (!site.odometry_file.empty()) {
+    odometry = ReadTrajectory(site.odometry_file);
   } else if (fs::exists(fs::path(site.scans.front()).replace_extension(".pose"))) {
     // 3DTK keeps a scan's odometry beside it.
     odometry.emplace();
@@ -213,6 +212,7 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   }
   robot.format = Format(node);
   robot.scans = Scans(node, robot.format);
+  robot.odometry_file = File(node, "odometry");
   robot.odometry = Odometry(node, robot);
   if (node["start"]) robot.start = Start(node["start"]);
   robot.reference = File(node, "reference");
