@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <set>
 
@@ -257,7 +258,18 @@ DroneMapSite SiteReader::Map(const YAML::Node& node) const {
   return map;
 }
 
+// The marks of PLY, PCD and of any binary file.
+bool LooksLikeCloud(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string start(64, ' ');
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start.rfind("ply\n", 0) == 0 || start.rfind("ply\r", 0) == 0 ||
+         start.rfind("# .PCD", 0) == 0 || start.find('\0') != std::string::npos;
+}
+
 Site SiteReader::Read() {
+  if (LooksLikeCloud(path_)) throw InputError::InFile(path_, "is a cloud, not a site file");
   const YAML::Node root = Load();
   if (!root.IsMap()) throw InputError::AtLine(path_, 1, "is not a site file");
   AllowKeys(root, {"name", "origin", "robots", "maps"});
