@@ -3,12 +3,16 @@
 #include <gflags/gflags.h>
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <iostream>
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/error.h"
 #include "planegraph_version.h"
+#include "tools/commands.h"
 #include "tools/common_flags.h"
+#include "tools/flag_text.h"
 
 DEFINE_int32(threads, 0, "number of threads (0: all cores)");
 DEFINE_uint64(seed, 0, "seed of everything random");
@@ -32,6 +36,17 @@ namespace {
 
 const auto kStart = std::chrono::steady_clock::now();
 
+// gflags writes all 17 digits of a double: 0.050000000000000003.
+std::string Shortest(const std::string& number) {
+  const double value = std::strtod(number.c_str(), nullptr);
+  char text[64];
+  for (int digits = 1; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof(text), "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value) return text;
+  }
+  return number;
+}
+
 nlohmann::json ChangedFlags() {
   nlohmann::json flags = nlohmann::json::object();
   std::vector<gflags::CommandLineFlagInfo> all;
@@ -39,16 +54,25 @@ nlohmann::json ChangedFlags() {
   for (const auto& flag : all) {
     // Only flags of our own: glog's are set by the tool itself.
     const bool ours = flag.filename.find("tools/") != std::string::npos;
-    if (ours && !flag.is_default) flags[flag.name] = flag.current_value;
+    if (ours && !flag.is_default) flags[flag.name] = FlagText(flag.type, flag.current_value);
   }
   return flags;
+}
+
+// Of the command that runs: main.cc hands gflags its name as the program's.
+std::string UsageLine() {
+  for (const Command& command : AllCommands()) {
+    if (command.name != gflags::GetArgv0()) continue;
+    return ": planegraph " + command.name + " [--flags] " + command.arguments;
+  }
+  return "";
 }
 
 }  // namespace
 
 void ExpectArguments(const std::vector<std::string>& arguments, std::size_t least,
                      std::size_t most) {
-  if (arguments.size() < least) throw UsageError("an argument is missing");
+  if (arguments.size() < least) throw UsageError("an argument is missing" + UsageLine());
   if (arguments.size() > most) throw UsageError("unexpected argument: " + arguments[most]);
 }
 
@@ -63,11 +87,16 @@ std::string FlagFile(std::vector<std::string> flags) {
   flags.insert(flags.end(), {"threads", "seed"});
   std::string text;
   for (const auto& name : flags) {
-    std::string value;
-    if (gflags::GetCommandLineOption(name.c_str(), &value))
-      text += "--" + name + "=" + value + "\n";
+    gflags::CommandLineFlagInfo flag;
+    if (gflags::GetCommandLineFlagInfo(name.c_str(), &flag)) {
+      text += "--" + name + "=" + FlagText(flag.type, flag.current_value) + "\n";
+    }
   }
   return text;
+}
+
+std::string FlagText(const std::string& type, const std::string& value) {
+  return type == "double" ? Shortest(value) : value;
 }
 
 double SecondsSinceStart() {

@@ -11,6 +11,7 @@
 #include "tools/command.h"
 #include "tools/commands.h"
 #include "tools/common_flags.h"
+#include "tools/flag_text.h"
 
 namespace planegraph::tools {
 namespace {
@@ -32,7 +33,9 @@ void PrintFlag(const std::string& name) {
   gflags::CommandLineFlagInfo info;
   if (!gflags::GetCommandLineFlagInfo(name.c_str(), &info)) return;
   std::cout << "  --" << name << "  " << info.description;
-  if (!info.default_value.empty()) std::cout << " [" << info.default_value << "]";
+  if (!info.default_value.empty()) {
+    std::cout << " [" << FlagText(info.type, info.default_value) << "]";
+  }
   std::cout << "\n";
 }
 

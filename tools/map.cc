@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <iostream>
+#include <map>
 #include <mutex>
 #include <sstream>
 
@@ -122,12 +123,29 @@ void PrintOpenMotions(const nlohmann::json& observability) {
   }
 }
 
-void PrintSummary(const MapResult& result, const nlohmann::json& report) {
-  std::size_t used = 0;
+std::string Count(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// "22 of 25 registrations between scans and 6 of 9 to drone maps used"
+std::string RegistrationsText(const MapResult& result) {
+  std::size_t used = 0, used_maps = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
-  std::printf("%zu scans, %zu of %zu registrations used, %d component%s, %.1f s\n",
-              result.scans.size(), used, result.pairs.size(), result.components,
-              result.components == 1 ? "" : "s", SecondsSinceStart());
+  for (const auto& pair : result.map_pairs) used_maps += pair.used ? 1 : 0;
+  std::string text =
+      std::to_string(used) + " of " + Count(result.pairs.size(), "registration") + " between scans";
+  if (!result.maps.empty()) {
+    text += " and " + std::to_string(used_maps) + " of " + std::to_string(result.map_pairs.size()) +
+            " to drone maps";
+  }
+  return text + " used";
+}
+
+void PrintSummary(const MapResult& result, const nlohmann::json& report) {
+  std::printf("%s, %s, %s, %.1f s\n", Count(result.scans.size(), "scan").c_str(),
+              RegistrationsText(result).c_str(),
+              Count(static_cast<std::size_t>(result.components), "component").c_str(),
+              SecondsSinceStart());
   PrintSwitchedOff(report["switched_off"]);
   PrintMaps(result, report);
   PrintOpenMotions(report["observability"]);
@@ -159,6 +177,46 @@ bool MapsJoined(const MapResult& result) {
   return joined;
 }
 
+// Scans that follow each other are one run: "cart/005 to 007, ugv/001".
+std::string RunsText(const MapResult& result, const std::vector<std::size_t>& scans) {
+  constexpr int kMostRuns = 3;
+  std::string text;
+  int runs = 0;
+  for (std::size_t k = 0; k < scans.size();) {
+    std::size_t end = k + 1;
+    while (end < scans.size() && scans[end] == scans[end - 1] + 1 &&
+           result.scans[scans[end]].robot == result.scans[scans[k]].robot) {
+      ++end;
+    }
+    if (runs++ == kMostRuns) return text + ", ...";
+    const std::string& last = result.scans[scans[end - 1]].id;
+    text += (text.empty() ? "" : ", ") + result.scans[scans[k]].id;
+    if (end > k + 1) text += " to " + last.substr(last.rfind('/') + 1);
+    k = end;
+  }
+  return text;
+}
+
+// Who stands apart: "cart/004 | cart/005 to 007". The scans of the largest
+// component are the map; the first few of the others are named.
+std::string ApartText(const MapResult& result) {
+  constexpr std::size_t kMostNamed = 5;
+  std::map<int, std::vector<std::size_t>> members;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) members[result.component[i]].push_back(i);
+  int largest = 0;
+  for (const auto& [component, scans] : members) {
+    if (scans.size() > members[largest].size()) largest = component;
+  }
+  members.erase(largest);
+  std::string text;
+  std::size_t named = 0;
+  for (const auto& [component, scans] : members) {
+    if (named++ == kMostNamed) return text + " | ...";
+    text += (text.empty() ? "" : " | ") + RunsText(result, scans);
+  }
+  return text;
+}
+
 // All scans and maps in one component is what the map was asked for.
 int ExitCode(const MapResult& result, const nlohmann::json& report) {
   for (const auto& warning : report["warnings"]) {
@@ -167,8 +225,9 @@ int ExitCode(const MapResult& result, const nlohmann::json& report) {
   const bool joined = MapsJoined(result);
   if (joined && result.components <= 1 && Converged(result)) return 0;
   if (result.components > 1) {
-    std::cerr << "error: the scans do not form one component but " << result.components
-              << ": see the registrations in the report\n";
+    std::cerr << "error: the scans do not form one component but " << result.components << ": "
+              << ApartText(result) << " stand apart; " << FLAGS_output_dir
+              << "/report.html says why\n";
   }
   if (!Converged(result)) {
     std::cerr << "error: the joint solve did not come to rest: its last step moved a scan by "

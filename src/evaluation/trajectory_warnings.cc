@@ -30,19 +30,6 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 // Rounding to three decimals moves a norm by 0.001 at most.
 constexpr double kNormTolerance = 1e-3;
 
-void WarnOfTimes(const Trajectory& trajectory, const std::string& file,
-                 std::vector<std::string>* warnings) {
-  std::size_t wrong = 0, first = 0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    if (trajectory.times[i] > trajectory.times[i - 1]) continue;
-    if (wrong++ == 0) first = i;
-  }
-  if (wrong == 0) return;
-  warnings->push_back(file + Format(": %zu times do not increase, first that of pose %zu "
-                                    "(counted from 0)",
-                                    wrong, first));
-}
-
 bool StartsWithWFirst(const Trajectory& trajectory) {
   if (!trajectory.has_times || trajectory.size() == 0) return false;
   const Eigen::Quaterniond& q = trajectory.poses.front().rotation;
@@ -223,9 +210,21 @@ void WarnOfStanding(const PosePairs& pairs, std::vector<std::string>* warnings) 
 
 }  // namespace
 
+std::optional<std::string> TimesWarning(const Trajectory& trajectory, const std::string& file) {
+  if (!trajectory.has_times) return std::nullopt;
+  std::size_t wrong = 0, first = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    if (trajectory.times[i] > trajectory.times[i - 1]) continue;
+    if (wrong++ == 0) first = i;
+  }
+  if (wrong == 0) return std::nullopt;
+  return file + Format(": %zu times do not increase, first that of pose %zu (counted from 0)",
+                       wrong, first);
+}
+
 std::vector<std::string> FileWarnings(const Trajectory& trajectory, const std::string& file) {
   std::vector<std::string> warnings;
-  if (trajectory.has_times) WarnOfTimes(trajectory, file, &warnings);
+  if (const auto times = TimesWarning(trajectory, file)) warnings.push_back(*times);
   if (trajectory.norm_error > kNormTolerance) {
     warnings.push_back(file + Format(": quaternions are not normalized, a norm is off by %.2g",
                                      trajectory.norm_error));

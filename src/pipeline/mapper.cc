@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "pipeline/input_warnings.h"
 #include "pipeline/lap.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
@@ -211,6 +212,7 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   Check(options);
   MapResult result;
   result.site = site;
+  result.warnings = OdometryWarnings(site);
   {
     Lap lap(&result.seconds.front_end);
     result.scans = PrepareScans(site, options);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <set>
 
@@ -86,10 +87,9 @@ std::vector<std::string> SiteReader::Scans(const YAML::Node& robot,
 
 std::optional<Trajectory> SiteReader::Odometry(const YAML::Node& robot,
                                                const RobotSite& site) const {
-  const std::string file = File(robot, "odometry");
   std::optional<Trajectory> odometry;
-  if (!file.empty()) {
-    odometry = ReadTrajectory(file);
+  if (!site.odometry_file.empty()) {
+    odometry = ReadTrajectory(site.odometry_file);
   } else if (fs::exists(fs::path(site.scans.front()).replace_extension(".pose"))) {
     // 3DTK keeps a scan's odometry beside it.
     odometry.emplace();
@@ -213,6 +213,7 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   }
   robot.format = Format(node);
   robot.scans = Scans(node, robot.format);
+  robot.odometry_file = File(node, "odometry");
   robot.odometry = Odometry(node, robot);
   if (node["start"]) robot.start = Start(node["start"]);
   robot.reference = File(node, "reference");
@@ -257,7 +258,18 @@ DroneMapSite SiteReader::Map(const YAML::Node& node) const {
   return map;
 }
 
+// The marks of PLY, PCD and of any binary file.
+bool LooksLikeCloud(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string start(64, ' ');
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start.rfind("ply\n", 0) == 0 || start.rfind("ply\r", 0) == 0 ||
+         start.rfind("# .PCD", 0) == 0 || start.find('\0') != std::string::npos;
+}
+
 Site SiteReader::Read() {
+  if (LooksLikeCloud(path_)) throw InputError::InFile(path_, "is a cloud, not a site file");
   const YAML::Node root = Load();
   if (!root.IsMap()) throw InputError::AtLine(path_, 1, "is not a site file");
   AllowKeys(root, {"name", "origin", "robots", "maps"});

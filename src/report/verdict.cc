@@ -135,7 +135,8 @@ Verdict Judge(const ReportData& data) {
   Verdict verdict = JoinedVerdict(data);
   AddMaps(data, &verdict);
   AddOpenDirections(data, &verdict);
-  if (!FlagAt(*data.json, {"solve", "converged"}).value_or(true)) {
+  const bool solved = TextAt(*data.json, {"solve", "optimizer"}) != "none";  // there was a solve
+  if (solved && !FlagAt(*data.json, {"solve", "converged"}).value_or(true)) {
     verdict.level = Level::kBad;
     verdict.sentence += "; the solve did not converge";
   }

@@ -109,6 +109,28 @@ TEST_F(Jobs, ASiteFilesErrorNamesItsLine) {
   EXPECT_FALSE(fs::exists(Path("out")));
 }
 
+TEST_F(Jobs, ACloudIsNoSiteFile) {
+  for (const std::string& start : {std::string("ply\nformat ascii 1.0\n"),
+                                   std::string("# .PCD v0.7\n"), std::string("\1\0\2", 3)}) {
+    const std::string cloud = Write("cloud.bin", start);
+    const Outcome outcome = Map(cloud);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.err, "error: " + cloud + ": is a cloud, not a site file\n");
+  }
+}
+
+TEST_F(Jobs, AMissingArgumentShowsTheUsage) {
+  const Outcome outcome = RunTool("map --output_dir=" + Path("out"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err, "error: an argument is missing: planegraph map [--flags] SITE.yaml\n");
+}
+
+TEST_F(Jobs, NumbersOfFlagsAreShort) {
+  EXPECT_THAT(RunTool("map --help").out, HasSubstr("[0.05]"));
+  Map(Tiny(), "--map_voxel=0.1");
+  EXPECT_THAT(ReadTextFile(Path("out/run.flags")), HasSubstr("--map_voxel=0.1\n"));
+}
+
 TEST_F(Jobs, AScanThatCannotBeReadIsNamed) {
   const std::string site = Tiny();
   const std::string scan = Write("scans/a.xyz", "1 2 3\n4 five 6\n");
@@ -151,7 +173,9 @@ TEST_F(Jobs, ScansThatDoNotFitTogetherAreNoFullResult) {
                 fs::copy_options::overwrite_existing);
   const Outcome outcome = Map(site);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("do not form one component but 2"));
+  EXPECT_THAT(outcome.err, HasSubstr("do not form one component but 2: robot1/001 stand apart; " +
+                                     Path("out") + "/report.html says why"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 scans, 0 of 1 registration between scans used, 2 comp"));
   EXPECT_EQ(nlohmann::json::parse(ReadTextFile(Path("out/report.json")))["components"], 2);
 }
 

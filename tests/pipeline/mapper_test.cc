@@ -14,7 +14,12 @@
 namespace planegraph {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -46,6 +51,18 @@ TEST_F(MapSmallSite, YardComesOutAsItIs) {
   EXPECT_LT(AteOf(result.solution.world_from_scan, TruthFromFirst(yard)), 0.005);
   // The odometry is far worse, so that this says something.
   EXPECT_GT(AteOf(yard.robots[0].odometry, TruthFromFirst(yard)), 0.02);
+}
+
+TEST_F(MapSmallSite, TimesThatDoNotIncreaseAreAWarning) {
+  Site site = WriteAndRead(SmallSite(SceneKind::kHall, 3, 16));
+  site.robots[0].odometry->times = {7.0, 7.0, 7.0};
+  const MapResult result = MapScans(site, TwoThreads("none"));
+  EXPECT_THAT(result.warnings,
+              ElementsAre(AllOf(StartsWith(site.robots[0].odometry_file),
+                                HasSubstr("2 times do not increase, first that of pose 1 "),
+                                EndsWith(": line k belongs to scan k"))));
+  site.robots[0].odometry->has_times = false;
+  EXPECT_TRUE(MapScans(site, TwoThreads("none")).warnings.empty());
 }
 
 TEST_F(MapSmallSite, WithoutOdometryScansAreRegisteredWithoutAGuess) {
@@ -101,7 +118,7 @@ TEST_F(MapSmallSite, AnUnrelatedScanIsAComponentOfItsOwn) {
   mixed.robots[0].scans[2] = SmallSite(SceneKind::kHall, 1, 16, 5).robots[0].scans[0];
   const MapResult result = MapScans(WriteAndRead(mixed), TwoThreads());
   EXPECT_EQ(result.components, 2);
-  EXPECT_THAT(result.component, ::testing::ElementsAre(0, 0, 1));
+  EXPECT_THAT(result.component, ElementsAre(0, 0, 1));
   for (const Rigid3& pose : result.solution.world_from_scan) {
     EXPECT_TRUE(pose.translation.allFinite());
   }

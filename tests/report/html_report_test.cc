@@ -281,6 +281,8 @@ TEST_F(HtmlReport, SaysWhatFailed) {
   EXPECT_THAT(page, HasSubstr("verdict bad"));
   EXPECT_THAT(page, HasSubstr("The 3 scans do not form one component but 2 (of 2, 1 scans)"));
   EXPECT_THAT(page, HasSubstr("the solve did not converge"));
+  report["solve"]["optimizer"] = "none";  // there was none
+  EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr("the solve did not converge")));
 }
 
 TEST_F(HtmlReport, LongTablesFoldUp) {

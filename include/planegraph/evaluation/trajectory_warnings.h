@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,10 @@ namespace planegraph {
 
 // Signs that trajectories do not mean what their readers take them for, or that their errors say
 // little. Each warning is a sentence; none of them changes a figure.
+
+/// Of one file: how many of its times do not increase, and the first; nothing where all do or it
+/// has none.
+std::optional<std::string> TimesWarning(const Trajectory& trajectory, const std::string& file);
 
 /// Of one file: times that do not increase, quaternions more than 0.1 % off norm 1, and a first
 /// quaternion `1 0 0 0`: the identity with w first, as 3DTK's frames2tum writes it (TUM has w

@@ -37,6 +37,7 @@ struct RobotSite {
   std::vector<std::string> scans;  ///< files
   std::string format = "auto";
   std::optional<Trajectory> odometry;  ///< as many poses as scans
+  std::string odometry_file;           ///< that holds it; empty where .pose files do
   std::optional<StartPose> start;
   std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
   std::vector<FilterStep> filters;
