@@ -218,6 +218,7 @@ Matrix6d GraphCovariance::Relative(int target, int source) const {
 
 MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources) const {
   std::vector<Quantity> quantities;
+  quantities.reserve(sources.size());
   for (const int source : sources) {
     quantities.push_back(RelativeQuantity(implementation_->graph(), target, source));
   }
