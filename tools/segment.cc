@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "planegraph/base/error.h"
+#include "planegraph/base/median.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/segmentation/planes_json.h"
 #include "tools/command.h"
@@ -32,10 +33,25 @@ std::string Summary(const Segmentation& result) {
   return text;
 }
 
+// Half of a scan in metres is hardly ever farther away: from a scanner at a height of 2 m, rays to
+// a flat ground reach that far at 1.1 degrees below the horizon.
+constexpr double kDoubtfulMetres = 100.0;
+
+bool AreUnitsDoubtful(const Cloud& cloud) {
+  std::vector<double> ranges;
+  ranges.reserve(cloud.points.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    ranges.push_back((cloud.Position(i) - cloud.viewpoint).norm());
+  }
+  return Median(std::move(ranges)) > kDoubtfulMetres;
+}
+
 std::string WhyNoPlanes(const Cloud& cloud, const Segmentation& result) {
   if (cloud.points.empty()) return "the cloud has no points";
   if (result.planes.point_count == 0) return "no point is farther away than --min_range";
-  return "no plane was found among " + std::to_string(result.planes.point_count) + " points";
+  return "no plane was found among " + std::to_string(result.planes.point_count) + " points" +
+         (AreUnitsDoubtful(cloud) ? "; half of them are farther than 100 m: are the units metres?"
+                                  : "");
 }
 
 int RunSegment(const std::vector<std::string>& arguments) {

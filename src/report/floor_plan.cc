@@ -258,10 +258,12 @@ std::uint8_t ColourOf(std::uint32_t layers, int full_low, int full_high) {
 
 }  // namespace
 
-PlanView ChooseView(const Cloud& map, const std::vector<Eigen::Vector3d>& positions) {
+PlanView ChooseView(const Cloud& map, const std::vector<Eigen::Vector3d>& positions,
+                    bool is_east_north) {
   constexpr double kLongest = 1.25;  ///< up against across
-  const PlanView view = Fit(map, positions, false);
-  if (view.Extent().y() <= kLongest * view.Extent().x()) return view;
+  PlanView view = Fit(map, positions, false);
+  view.north_up = is_east_north;
+  if (is_east_north || view.Extent().y() <= kLongest * view.Extent().x()) return view;
   return Fit(map, positions, true);
 }
 

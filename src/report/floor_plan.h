@@ -9,9 +9,10 @@
 namespace planegraph {
 
 /// The part of the world's xy plane that a picture shows, seen from above. A long y axis is laid
-/// across the page: x then points up and y to the left.
+/// across the page: x then points up and y to the left; but where y is north it points up.
 struct PlanView {
   bool turned = false;
+  bool north_up = false;
   Eigen::Vector2d low = Eigen::Vector2d::Zero();   ///< of the page's axes, metres
   Eigen::Vector2d high = Eigen::Vector2d::Zero();  ///< likewise; above `low` in both
 
@@ -23,8 +24,9 @@ struct PlanView {
 };
 
 /// A view that shows the scans' positions and the map but for its thinnest outskirts (returns
-/// through windows, reflections).
-PlanView ChooseView(const Cloud& map, const std::vector<Eigen::Vector3d>& positions);
+/// through windows, reflections). `is_east_north`: so the world's x and y point.
+PlanView ChooseView(const Cloud& map, const std::vector<Eigen::Vector3d>& positions,
+                    bool is_east_north = false);
 
 /// The map from above as a plan. Dark: what stands upright between 0.3 and 1.8 m above the ground
 /// around it (walls, furniture), the darker the more of that height it fills, so that floors,

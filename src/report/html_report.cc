@@ -51,7 +51,8 @@ std::string Footer(const Json& report) {
 
 std::string RenderReport(const Json& report, const MergedMap& map, const ViewerInput& viewer) {
   const ReportData data = ReadReportData(report);
-  const PlanFrame frame(ChooseView(map.laser, data.Positions()));
+  const bool is_east_north = NumberAt(report, {"origin", "lat"}).has_value();
+  const PlanFrame frame(ChooseView(map.laser, data.Positions(), is_east_north));
   return Head(TextAt(report, {"name"})) + HeaderHtml(data) + "<main>\n" +
          Section("Plan", FloorPlanHtml(data, map, frame)) +
          Section("3-D view", ViewerHtml(data, viewer)) + OpenDirectionsHtml(data) + MapsHtml(data) +

@@ -51,8 +51,9 @@ std::string ScaleBar(const PlanFrame& frame) {
 
 std::string AxisNames(const PlanFrame& frame) {
   const double bottom = PlanFrame::kTop + frame.height();
-  const char* across = frame.view().turned ? "← y [m]" : "x [m] →";
-  const char* up = frame.view().turned ? "x [m] ↑" : "y [m] ↑";
+  const bool turned = frame.view().turned, north_up = frame.view().north_up;
+  const char* across = turned ? "← y [m]" : north_up ? "x, east [m] →" : "x [m] →";
+  const char* up = turned ? "x [m] ↑" : north_up ? "y, north [m] ↑" : "y [m] ↑";
   return SvgText({PlanFrame::kLeft + 6, bottom - 8}, " class=\"label\"", across) +
          SvgText({PlanFrame::kLeft + 6, PlanFrame::kTop + 18}, " class=\"label\"", up);
 }

@@ -236,6 +236,20 @@ TEST_F(Jobs, SegmentWithoutAPlaneIsNoResult) {
   EXPECT_NE(planes["reason"], "");
 }
 
+TEST_F(Jobs, SegmentAsksForTheUnit) {
+  // A line of points that goes so many units far.
+  const auto outcome = [&](int far) {
+    std::ostringstream points;
+    for (int k = 1; k <= 200; ++k) points << 0.005 * k * far << " 0 0\n";
+    return RunTool("segment " + Write("line.xyz", points.str()) + " --output=" + Path("p.json"));
+  };
+  const Outcome metres = outcome(30), millimetres = outcome(30000);
+  EXPECT_EQ(metres.exit_code, 3) << metres.err;
+  EXPECT_THAT(metres.err, Not(HasSubstr("metres?")));
+  EXPECT_EQ(millimetres.exit_code, 3) << millimetres.err;
+  EXPECT_THAT(millimetres.err, HasSubstr("farther than 100 m: are the units metres?"));
+}
+
 TEST_F(Jobs, SegmentOfAnEmptyFileIsBadInput) {
   const std::string cloud = Write("empty.ply", "");
   const Outcome outcome = RunTool("segment " + cloud + " --output=" + Path("planes.json"));

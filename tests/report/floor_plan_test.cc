@@ -55,6 +55,15 @@ TEST(PlanView, LaysALongYAxisAcrossThePage) {
   EXPECT_EQ(x.x() * y.y() - x.y() * y.x(), 1.0);
 }
 
+TEST(PlanView, NorthPointsUpHoweverLongItIs) {
+  Cloud street = RoomCloud();
+  for (auto& point : street.points) point.y() *= 5.0F;
+  EXPECT_TRUE(ChooseView(street, {{5, 3, 1}}).turned);
+  const PlanView view = ChooseView(street, {{5, 3, 1}}, true);
+  EXPECT_FALSE(view.turned);
+  EXPECT_TRUE(view.north_up);
+}
+
 TEST(PlanView, StrayPointsDoNotShrinkTheMap) {
   Cloud room = RoomCloud();
   room.points.push_back({1000, 1000, 0});
