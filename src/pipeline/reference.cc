@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "planegraph/base/atomic_file.h"
 #include "planegraph/base/error.h"
 #include "planegraph/evaluation/consistency.h"
 #include "planegraph/geometry/rotation.h"
@@ -151,11 +150,10 @@ bool HasScan(const MapResult& result, std::size_t map) {
 }
 
 std::optional<Consistency> OfScale(const MapResult& result, std::size_t m) {
-  const std::string& file = result.site.maps[m].reference;
-  if (file.empty() || !HasScan(result, m)) return std::nullopt;
+  const std::optional<double>& truth = result.site.maps[m].true_scale;
+  if (!truth || !HasScan(result, m)) return std::nullopt;
   const Sim3 found = result.solution.world_from_metric[m] * result.maps[m].metric_from_map;
-  const Eigen::VectorXd error =
-      Eigen::VectorXd::Constant(1, std::log(found.scale / ReadTrueScale(file)));
+  const Eigen::VectorXd error = Eigen::VectorXd::Constant(1, std::log(found.scale / *truth));
   const Eigen::MatrixXd variance = Eigen::MatrixXd::Constant(1, 1, result.map_covariances[m](6, 6));
   return MeasureConsistency({error}, {variance}, {});
 }
@@ -166,9 +164,8 @@ void AddScales(const MapResult& result, Json* json) {
     const auto consistency = OfScale(result, m);
     if (!consistency) continue;
     parts.push_back(*consistency);
-    (*json)["maps"][result.maps[m].id] = {
-        {"true_scale", ReadTrueScale(result.site.maps[m].reference)},
-        {"nees", consistency->Nees()}};
+    (*json)["maps"][result.maps[m].id] = {{"true_scale", *result.site.maps[m].true_scale},
+                                          {"nees", consistency->Nees()}};
   }
   if (parts.empty()) return;
   const Json together = TogetherJson(parts, "scale_nees");
@@ -177,16 +174,6 @@ void AddScales(const MapResult& result, Json* json) {
 }
 
 }  // namespace
-
-double ReadTrueScale(const std::string& path) {
-  const Json json = Json::parse(ReadTextFile(path), nullptr, false);
-  if (!json.is_object()) throw InputError::InFile(path, "is not a JSON object");
-  const auto scale = json.find("scale");
-  if (scale == json.end() || !scale->is_number() || !(scale->get<double>() > 0.0)) {
-    throw InputError::InFile(path, "a map's reference needs a `scale` above zero");
-  }
-  return scale->get<double>();
-}
 
 PosePairs PairWithReference(const MapResult& result, std::size_t robot) {
   const RobotSite& site = result.site.robots[robot];

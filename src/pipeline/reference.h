@@ -10,9 +10,6 @@ namespace planegraph {
 
 // What is known of the truth, for evaluation alone.
 
-/// The `scale` (metres per unit) of a JSON file. Throws InputError where there is none above zero.
-double ReadTrueScale(const std::string& path);
-
 /// A robot's poses with those of its reference. Throws InputError and NoResultError where the
 /// reference does not fit.
 PosePairs PairWithReference(const MapResult& result, std::size_t robot);

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <set>
 
-#include "pipeline/reference.h"
+#include "pipeline/true_scale.h"
 #include "pipeline/yaml_reader.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/gps_io.h"
@@ -252,7 +252,7 @@ DroneMapSite SiteReader::Map(const YAML::Node& node) const {
                    Positive(node, "gps_sigma")};
   map.gravity = Gravity(node["gravity"]);
   map.reference = File(node, "reference");
-  if (!map.reference.empty()) ReadTrueScale(map.reference);  // a bad one shows before the run
+  if (!map.reference.empty()) map.true_scale = ReadTrueScale(map.reference);
   if (map.name.empty()) Fail(node, "a map needs a `name`");
   if (map.cloud.empty()) Fail(node, "a map needs a `cloud`");
   return map;

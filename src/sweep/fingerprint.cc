@@ -42,9 +42,11 @@ void AddSite(const Site& site, const std::string& base, Fingerprint* print) {
     for (const std::string& scan : robot.scans) print->AddFile(scan, base);
     if (robot.odometry) AddTrajectory(*robot.odometry, print);
     if (!robot.reference.empty()) print->AddFile(robot.reference, base);
+    if (robot.gps) print->AddFile(robot.gps->file, base);
   }
   for (const DroneMapSite& map : site.maps) {
-    for (const std::string& file : {map.cloud, map.cameras, map.gps, map.image_times}) {
+    for (const std::string& file :
+         {map.cloud, map.cameras, map.gps, map.image_times, map.reference}) {
       if (!file.empty()) print->AddFile(file, base);
     }
   }

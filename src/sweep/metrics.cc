@@ -89,20 +89,6 @@ Value ScaleError(const RunData& run) {
   return sum / static_cast<double>(scales.size());
 }
 
-// The squared error of the logarithm of the scales by their variances, the mean over the maps.
-Value ScaleNees(const RunData& run) {
-  const Value truth = First(run.truth, "/scale");
-  if (!truth || !(*truth > 0.0)) return {};
-  double sum = 0.0, count = 0.0;
-  for (const Json& map : FollowPointer(run.report, "/maps/*")) {
-    const Value scale = First(map, "/world_from_map/scale"), sigma = First(map, "/sigma_scale");
-    if (!scale || !sigma || !(*scale > 0.0) || !(*sigma > 0.0)) continue;
-    sum += std::pow(std::log(*scale / *truth) / *sigma, 2);
-    count += 1.0;
-  }
-  return count > 0.0 ? Value(sum / count) : Value();
-}
-
 // Root of the cost by redundancy: 1 where the residuals are as large as their sigmas say.
 Value Residual(const RunData& run) {
   const Value cost = First(run.report, "/solve/final_cost");
@@ -127,7 +113,6 @@ const std::vector<Builtin>& Builtins() {
       {{"rpe_rotation", "rad", "/evaluation/*/rpe/rotation/rmse"}, nullptr},
       {{"anchored", "share of scans", ""}, Anchored},
       {{"scale_error", "relative", ""}, ScaleError},
-      {{"scale_nees", "", ""}, ScaleNees, false},
       {{"residual", "sigma", ""}, Residual},
       {{"mme", "nat", ""}, sharpness("/mme"), false, true},
       {{"thickness", "m", ""}, sharpness("/thickness/median"), false, true},

@@ -67,7 +67,6 @@ TEST_F(Metrics, AreReadFromTheRunsFiles) {
     "maps": [{"world_from_map": {"scale": 2.02}}, {"world_from_map": {"scale": 1.96}}],
     "solve": {"final_cost": 50, "redundancy": 400}})");
   Write("truth.json", R"({"scale": 2})");
-  EXPECT_EQ(Of("scale_nees"), std::nullopt);  // no sigma
   Write("evaluate.json", R"({"mme": -5, "thickness": {"median": 0.004}})");
   EXPECT_THAT(Of("ate_rmse"), Optional(DoubleNear(0.2, 1e-12)));
   EXPECT_THAT(Of("rpe_translation"), Optional(1.0));
@@ -78,16 +77,6 @@ TEST_F(Metrics, AreReadFromTheRunsFiles) {
   EXPECT_THAT(Of("mme"), Optional(-5.0));
   EXPECT_THAT(Of("thickness"), Optional(0.004));
   EXPECT_THAT(Of("cpu_seconds"), Optional(2.5));
-}
-
-TEST_F(Metrics, TheErrorOfTheScaleInUnitsOfItsSigma) {
-  Write("report.json", R"({"maps": [{"world_from_map": {"scale": 2.0}, "sigma_scale": 0.01},
-                                    {"world_from_map": {"scale": 3.0}, "sigma_scale": null},
-                                    {"world_from_map": {"scale": 2.1}, "sigma_scale": 0.02}]})");
-  EXPECT_EQ(Of("scale_nees"), std::nullopt);  // no truth
-  Write("truth.json", R"({"scale": 2})");
-  const double sigmas = std::log(1.05) / 0.02;
-  EXPECT_THAT(Of("scale_nees"), Optional(DoubleNear(0.5 * sigmas * sigmas, 1e-9)));
 }
 
 TEST_F(Metrics, WhatARunDoesNotSayHasNoValue) {

@@ -156,6 +156,29 @@ TEST_F(SweepRuns, AChangedInputRedoesItsRuns) {
   EXPECT_THAT(Calls(), ElementsAre("map a 0"));
 }
 
+TEST_F(SweepRuns, FilesOfTruthAndOfPositionsAreInputsToo) {
+  Experiment experiment = Simulated({"a"}, {0});
+  Write("data/scans/a.xyz", "1 2 3\n");
+  Write("data/odometry.tum", "0 0 0 0 0 0 0 1\n");
+  Write("data/cloud.ply", "ply\n");
+  Write("data/gps.csv", "time,lat,lon,alt\n");
+  Write("data/truth.json", R"({"scale": 2})");
+  experiment.data_sets[0].site =
+      Write("data/site.yaml",
+            "robots: [{name: r, scans: scans, odometry: odometry.tum, gps: gps.csv}]\n"
+            "maps: [{name: m, cloud: cloud.ply, reference: truth.json}]\n");
+  Run(experiment);
+  EXPECT_THAT(Calls(), ElementsAre("map a 0"));
+  Write("data/gps.csv", "time,lat,lon,alt\n0,51,7,100\n");
+  Run(experiment);
+  EXPECT_THAT(Calls(), ElementsAre("map a 0"));
+  Write("data/truth.json", R"({"scale": 2.5})");
+  Run(experiment);
+  EXPECT_THAT(Calls(), ElementsAre("map a 0"));
+  Run(experiment);
+  EXPECT_THAT(Calls(), IsEmpty());
+}
+
 TEST_F(SweepRuns, AChangedToolRedoesEverything) {
   const Experiment experiment = Simulated({"a"}, {0});
   Run(experiment);

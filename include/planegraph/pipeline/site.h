@@ -53,6 +53,7 @@ struct DroneMapSite {
   double scale = 1.0;                        ///< metres per unit, where no positions tell
   std::optional<GravityPrior> gravity = {};  ///< in the map's own frame
   std::string reference = {};  ///< JSON file with the true `scale`, for evaluation alone; or empty
+  std::optional<double> true_scale = {};  ///< of that file, metres per unit
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working
