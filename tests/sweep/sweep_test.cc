@@ -161,7 +161,7 @@ TEST_F(SweepRuns, FilesOfTruthAndOfPositionsAreInputsToo) {
   Write("data/scans/a.xyz", "1 2 3\n");
   Write("data/odometry.tum", "0 0 0 0 0 0 0 1\n");
   Write("data/cloud.ply", "ply\n");
-  Write("data/gps.csv", "time,lat,lon,alt\n");
+  Write("data/gps.csv", "time,lat,lon,alt\n0,51,7,99\n");
   Write("data/truth.json", R"({"scale": 2})");
   experiment.data_sets[0].site =
       Write("data/site.yaml",
