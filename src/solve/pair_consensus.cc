@@ -10,6 +10,7 @@
 
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/closed_form.h"
+#include "solve/shared_directions.h"
 
 namespace planegraph {
 namespace {
@@ -24,7 +25,6 @@ constexpr int kMostDraws = 50;             // for a row that stands apart from t
 constexpr std::size_t kMostRotations = 5;  // that get a translation
 constexpr int kRefinements = 3;
 constexpr std::size_t kMostRivals = 500;  // of the best pose that its lead is judged by
-constexpr double kSameDirection = 0.966;  // 15 deg
 constexpr double kWidenings[] = {1.0, 2.0, 4.0};
 constexpr double kSure = -3.0;  // log10 of the chance: no wider gate is tried
 
@@ -42,28 +42,6 @@ struct TriedPose {
   double weight;              // of them
 };
 
-// Surfaces that face one way count by the square root of their number: most of a yard's landmarks
-// lie on its ground, which agrees with any turn about the vertical and any place.
-std::vector<double> DirectionWeights(const std::vector<SharedLandmark>& shared) {
-  std::vector<Vector3d> directions;
-  std::vector<double> counts;
-  std::vector<std::size_t> direction_of;
-  for (const SharedLandmark& s : shared) {
-    const auto found = std::find_if(directions.begin(), directions.end(), [&](const Vector3d& d) {
-      return d.dot(s.target_normal) > kSameDirection;
-    });
-    direction_of.push_back(static_cast<std::size_t>(found - directions.begin()));
-    if (found == directions.end()) {
-      directions.push_back(s.target_normal);
-      counts.push_back(0.0);
-    }
-    counts[direction_of.back()] += 1.0;
-  }
-  std::vector<double> weights;
-  for (const std::size_t d : direction_of) weights.push_back(1.0 / std::sqrt(counts[d]));
-  return weights;
-}
-
 // Half of the tilt's variance to each of the two planes.
 PlaneMatch MakeMatch(const SharedLandmark& s) {
   const double variance = 0.5 * s.tilt_sigma * s.tilt_sigma;
@@ -77,7 +55,11 @@ PlaneMatch MakeMatch(const SharedLandmark& s) {
 class ConsensusSearch {
  public:
   ConsensusSearch(const std::vector<SharedLandmark>& shared, const PairConsensusOptions& options)
-      : shared_(shared), options_(options), weights_(DirectionWeights(shared)), rng_(options.seed) {
+      : shared_(shared),
+        options_(options),
+        direction_of_(DirectionsOf(shared)),
+        weights_(WeightsOf(direction_of_)),
+        rng_(options.seed) {
     for (const SharedLandmark& s : shared) matches_.push_back(MakeMatch(s));
   }
 
@@ -310,19 +292,22 @@ class ConsensusSearch {
     }
   }
 
-  // Whether most of what agrees with `best` would not agree with `other`.
+  // Whether most of what agrees with `best` and faces some way would not agree with `other`. The
+  // ways are judged each by itself: a ground has no say on where a wall stands.
   bool AreDistinct(const TriedPose& best, const TriedPose& other) const {
     if (best.guess != other.guess) return true;
     Eigen::Vector4d shift;
     shift << other.pose.translation - best.pose.translation, other.pose.scale - best.pose.scale;
-    double sum = 0.0;
+    const double gate = 2.0 * options_.gate_sigmas;
+    std::vector<double> beyond(shared_.size(), 0.0);  // by direction: chi2 above the gate's
     for (int k : best.agreeing) {
       const Row row = OffsetRow(best.guess->target_from_source, shared_[k]);
-      sum += std::pow(row.coefficients.dot(shift), 2) /
-             HeightVariance(best.pose, best.guess->covariance, shared_[k]);
+      beyond[direction_of_[k]] +=
+          std::pow(row.coefficients.dot(shift), 2) /
+              HeightVariance(best.pose, best.guess->covariance, shared_[k]) -
+          gate * gate;
     }
-    const double gate = 2.0 * options_.gate_sigmas;
-    return sum > gate * gate * static_cast<double>(best.agreeing.size());
+    return std::any_of(beyond.begin(), beyond.end(), [](double sum) { return sum > 0.0; });
   }
 
   // Hoeffding's bound for `wins` or more heads of wins + losses throws.
@@ -352,7 +337,8 @@ class ConsensusSearch {
 
   const std::vector<SharedLandmark>& shared_;
   const PairConsensusOptions& options_;
-  std::vector<PlaneMatch> matches_;  // the same landmarks, as the closed form takes them
+  std::vector<PlaneMatch> matches_;        // the same landmarks, as the closed form takes them
+  std::vector<std::size_t> direction_of_;  // of each landmark
   std::vector<double> weights_;
   std::mt19937_64 rng_;
 };
