@@ -3,8 +3,6 @@
 #include <gflags/gflags.h>
 
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <iostream>
 
 #include "planegraph/base/atomic_file.h"
@@ -35,17 +33,6 @@ namespace planegraph::tools {
 namespace {
 
 const auto kStart = std::chrono::steady_clock::now();
-
-// gflags writes all 17 digits of a double: 0.050000000000000003.
-std::string Shortest(const std::string& number) {
-  const double value = std::strtod(number.c_str(), nullptr);
-  char text[64];
-  for (int digits = 1; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof(text), "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) return text;
-  }
-  return number;
-}
 
 nlohmann::json ChangedFlags() {
   nlohmann::json flags = nlohmann::json::object();
@@ -93,10 +80,6 @@ std::string FlagFile(std::vector<std::string> flags) {
     }
   }
   return text;
-}
-
-std::string FlagText(const std::string& type, const std::string& value) {
-  return type == "double" ? Shortest(value) : value;
 }
 
 double SecondsSinceStart() {

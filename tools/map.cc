@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "planegraph/base/atomic_file.h"
+#include "planegraph/base/counted.h"
 #include "planegraph/base/error.h"
 #include "planegraph/graph/factor_losses.h"
 #include "planegraph/pipeline/mapper.h"
@@ -123,17 +124,13 @@ void PrintOpenMotions(const nlohmann::json& observability) {
   }
 }
 
-std::string Count(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 // "22 of 25 registrations between scans and 6 of 9 to drone maps used"
 std::string RegistrationsText(const MapResult& result) {
   std::size_t used = 0, used_maps = 0;
   for (const auto& pair : result.pairs) used += pair.used ? 1 : 0;
   for (const auto& pair : result.map_pairs) used_maps += pair.used ? 1 : 0;
-  std::string text =
-      std::to_string(used) + " of " + Count(result.pairs.size(), "registration") + " between scans";
+  std::string text = std::to_string(used) + " of " + Counted(result.pairs.size(), "registration") +
+                     " between scans";
   if (!result.maps.empty()) {
     text += " and " + std::to_string(used_maps) + " of " + std::to_string(result.map_pairs.size()) +
             " to drone maps";
@@ -142,9 +139,9 @@ std::string RegistrationsText(const MapResult& result) {
 }
 
 void PrintSummary(const MapResult& result, const nlohmann::json& report) {
-  std::printf("%s, %s, %s, %.1f s\n", Count(result.scans.size(), "scan").c_str(),
+  std::printf("%s, %s, %s, %.1f s\n", Counted(result.scans.size(), "scan").c_str(),
               RegistrationsText(result).c_str(),
-              Count(static_cast<std::size_t>(result.components), "component").c_str(),
+              Counted(static_cast<std::size_t>(result.components), "component").c_str(),
               SecondsSinceStart());
   PrintSwitchedOff(report["switched_off"]);
   PrintMaps(result, report);

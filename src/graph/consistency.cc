@@ -49,13 +49,15 @@ std::optional<Cycle> CycleOf(const RelativePose& closure, const Ways& from_targe
   return along->uncertainty <= against->uncertainty ? along : against;
 }
 
+// Of the closures only those are compared in the clique that contradict some other: most of a graph
+// of thousands agree with all.
 class PairwiseConsistency {
  public:
   PairwiseConsistency(int poses, const std::vector<RelativePose>& trusted,
                       const std::vector<RelativePose>& closures, const ConsistencyOptions& options)
       : limit_(ChiSquareQuantile(options.confidence, 6)),
         by_way_(closures.size(), 0.0),
-        between_(closures.size(), std::vector<double>(closures.size(), 0.0)) {
+        conflicts_(closures.size()) {
     const TrustedWays ways(poses, trusted);
     for (std::size_t p = 0; p < closures.size(); ++p) {
       const Ways from_target = ways.From(closures[p].target);
@@ -65,50 +67,65 @@ class PairwiseConsistency {
       }
       for (std::size_t q = p + 1; q < closures.size(); ++q) {
         const auto cycle = CycleOf(closures[p], from_target, from_source, closures[q]);
-        if (cycle) between_[p][q] = between_[q][p] = cycle->chi2 / options.variance_factor;
+        const double chi2 = cycle ? cycle->chi2 / options.variance_factor : 0.0;
+        if (!(chi2 <= limit_)) conflicts_[p][q] = conflicts_[q][p] = chi2;
       }
     }
   }
 
   ConsistentSet Solve(int most_steps) const {
-    const std::size_t count = by_way_.size();
-    std::vector<std::size_t> possible;  // those that agree with their ways
-    for (std::size_t p = 0; p < count; ++p) {
-      if (by_way_[p] <= limit_) possible.push_back(p);
-    }
-    std::vector<std::vector<bool>> agree(possible.size(), std::vector<bool>(possible.size()));
-    for (std::size_t a = 0; a < possible.size(); ++a) {
-      for (std::size_t b = 0; b < possible.size(); ++b) {
-        agree[a][b] = a != b && between_[possible[a]][possible[b]] <= limit_;
-      }
-    }
     ConsistentSet set;
-    set.consistent.assign(count, false);
-    for (const std::size_t a : LargestClique(agree, most_steps)) set.consistent[possible[a]] = true;
-    for (std::size_t p = 0; p < count; ++p) {
+    set.consistent.assign(by_way_.size(), false);
+    std::vector<std::size_t> contested;
+    for (std::size_t p = 0; p < by_way_.size(); ++p) {
+      if (!AgreesWithWay(p)) continue;
+      set.consistent[p] = !IsContested(p);
+      if (!set.consistent[p]) contested.push_back(p);
+    }
+    for (const std::size_t p : LargestConsistent(contested, most_steps)) set.consistent[p] = true;
+    for (std::size_t p = 0; p < by_way_.size(); ++p) {
       if (!set.consistent[p]) set.refused.push_back(Explain(p, set.consistent));
     }
     return set;
   }
 
  private:
+  bool AgreesWithWay(std::size_t p) const { return by_way_[p] <= limit_; }
+  bool IsContested(std::size_t p) const {
+    return std::any_of(conflicts_[p].begin(), conflicts_[p].end(),
+                       [this](const auto& conflict) { return AgreesWithWay(conflict.first); });
+  }
+
+  std::vector<std::size_t> LargestConsistent(const std::vector<std::size_t>& contested,
+                                             int most_steps) const {
+    std::vector<std::vector<bool>> agree(contested.size(), std::vector<bool>(contested.size()));
+    for (std::size_t a = 0; a < contested.size(); ++a) {
+      for (std::size_t b = 0; b < contested.size(); ++b) {
+        agree[a][b] = a != b && conflicts_[contested[a]].count(contested[b]) == 0;
+      }
+    }
+    std::vector<std::size_t> chosen;
+    for (const std::size_t a : LargestClique(agree, most_steps)) chosen.push_back(contested[a]);
+    return chosen;
+  }
+
   Inconsistency Explain(std::size_t p, const std::vector<bool>& consistent) const {
     Inconsistency reason;
     reason.measurement = p;
     reason.limit = limit_;
-    reason.with_way = by_way_[p] > limit_;
+    reason.with_way = !AgreesWithWay(p);
     reason.chi2 = by_way_[p];
-    for (std::size_t q = 0; q < consistent.size(); ++q) {
-      if (!consistent[q] || between_[p][q] <= limit_) continue;
+    for (const auto& [q, chi2] : conflicts_[p]) {
+      if (!consistent[q]) continue;
       reason.against.push_back(q);
-      reason.chi2 = std::max(reason.chi2, between_[p][q]);
+      reason.chi2 = std::max(reason.chi2, chi2);
     }
     return reason;
   }
 
   double limit_;
   std::vector<double> by_way_;  // chi2 of each closure against the way; 0: there is none
-  std::vector<std::vector<double>> between_;  // of each two; 0: no cycle
+  std::vector<std::map<std::size_t, double>> conflicts_;  // of each closure: chi2 beyond the limit
 };
 
 }  // namespace

@@ -32,15 +32,9 @@ Registration RegisterStep(const ScanModel& target, const ScanModel& source,
   return Usable(far) && far.quality > near.quality ? far : near;
 }
 
-const OdometryStep* FindStep(const std::vector<OdometryStep>& steps, std::size_t target) {
-  const auto found = std::find_if(steps.begin(), steps.end(),
-                                  [&](const OdometryStep& s) { return s.target == target; });
-  return found == steps.end() ? nullptr : &*found;
-}
-
 // Where the planes leave a direction open the odometry decides on it.
-void HoldOpenDirections(const ScanModel& target, const ScanModel& source, const OdometryStep& step,
-                        const RegistrationOptions& options, Registration* registration) {
+void HoldByOdometry(const ScanModel& target, const ScanModel& source, const OdometryStep& step,
+                    const RegistrationOptions& options, Registration* registration) {
   if (registration->unobserved.empty()) return;
   Registration held =
       RegisterFromGuess(target, source, {step.target_from_source, step.covariance}, options);
@@ -156,12 +150,21 @@ std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<Scan
   return steps;
 }
 
-OdometryScatter CalibrateOdometry(const std::vector<PairRecord>& pairs,
+const OdometryStep* FindStep(const std::vector<OdometryStep>& steps, const PairRecord& pair) {
+  const auto found = std::lower_bound(
+      steps.begin(), steps.end(), pair.target,
+      [](const OdometryStep& step, std::size_t target) { return step.target < target; });
+  const bool is_it =
+      found != steps.end() && found->target == pair.target && found->source == pair.source;
+  return is_it ? &*found : nullptr;
+}
+
+OdometryScatter CalibrateOdometry(const std::vector<PairRecord>& chain,
                                   std::vector<OdometryStep>* steps) {
   std::vector<double> metres, radians, translation, rotation;
-  for (const PairRecord& pair : pairs) {
-    const OdometryStep* step = FindStep(*steps, pair.target);
-    if (!pair.used || step == nullptr || step->source != pair.source) continue;
+  for (const PairRecord& pair : chain) {
+    const OdometryStep* step = FindStep(*steps, pair);
+    if (!pair.used || step == nullptr) continue;
     if (pair.registration.status != RegistrationStatus::kOk) continue;
     const Vector6d off =
         PoseError(pair.registration.target_from_source(), step->target_from_source);
@@ -191,8 +194,8 @@ std::vector<PairRecord> RegisterChain(const std::vector<ScanModel>& models,
   ParallelFor(chain.size(), threads, [&](std::size_t k) {
     PairRecord& pair = chain[k];
     const Lap lap(&pair.seconds);
-    pair.registration = RegisterStep(models[pair.target], models[pair.source],
-                                     FindStep(odometry, pair.target), options);
+    pair.registration =
+        RegisterStep(models[pair.target], models[pair.source], FindStep(odometry, pair), options);
     pair.used = Usable(pair.registration);
   });
   return chain;
@@ -203,7 +206,7 @@ void ReviseChain(const std::vector<ScanModel>& models, const std::vector<Odometr
                  std::vector<PairRecord>* chain) {
   ParallelFor(chain->size(), threads, [&](std::size_t k) {
     PairRecord& pair = (*chain)[k];
-    const OdometryStep* step = FindStep(odometry, pair.target);
+    const OdometryStep* step = FindStep(odometry, pair);
     if (step == nullptr) return;
     const Lap lap(&pair.seconds);
     const ScanModel &target = models[pair.target], &source = models[pair.source];
@@ -211,7 +214,7 @@ void ReviseChain(const std::vector<ScanModel>& models, const std::vector<Odometr
       SearchBeyondReach(target, source, scatter, options, &pair);
       ResolveContradiction(target, source, *step, scatter, options, &pair);
     }
-    if (pair.used) HoldOpenDirections(target, source, *step, options, &pair.registration);
+    if (pair.used) HoldByOdometry(target, source, *step, options, &pair.registration);
   });
 }
 

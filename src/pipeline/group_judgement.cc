@@ -1,8 +1,8 @@
+#include "pipeline/group_judgement.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "pipeline/registration_groups.h"
 
 namespace planegraph {
 namespace {

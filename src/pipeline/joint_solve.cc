@@ -8,7 +8,7 @@
 #include <set>
 
 #include "pipeline/graph_building.h"
-#include "pipeline/registration_groups.h"
+#include "pipeline/group_judgement.h"
 #include "planegraph/base/disjoint_sets.h"
 #include "planegraph/base/median.h"
 #include "planegraph/solve/covariance.h"

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "planegraph/base/counted.h"
+
 namespace planegraph {
 namespace {
 
@@ -13,10 +15,8 @@ std::string NameOf(const std::vector<ScanRecord>& scans, const PairRecord& pair)
 // "it contradicts the way between its scans and 4 other registrations: 57 standard deviations"
 std::string InWords(const SwitchedOff& off, bool with_way) {
   char text[200];
-  const std::string others = off.contradicts.empty()
-                                 ? ""
-                                 : std::to_string(off.contradicts.size()) + " other registration" +
-                                       (off.contradicts.size() == 1 ? "" : "s");
+  const std::string others =
+      off.contradicts.empty() ? "" : Counted(off.contradicts.size(), "other registration");
   const std::string what = with_way ? "the way between its scans" : "";
   const std::string both = what + (what.empty() || others.empty() ? "" : " and ") + others;
   std::snprintf(text, sizeof(text), "it contradicts %s: %.0f standard deviations of at most %.1f",

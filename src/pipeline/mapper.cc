@@ -15,6 +15,7 @@
 
 namespace planegraph {
 namespace {
+
 std::vector<ScanRecord> PrepareScans(const Site& site, const MapOptions& options) {
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t r = 0; r < site.robots.size(); ++r) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "planegraph/base/counted.h"
 #include "planegraph/solve/covariance.h"
 
 namespace planegraph {
@@ -13,10 +14,6 @@ using Json = nlohmann::json;
 std::string NameOf(const MapResult& result, int node) {
   const int scans = static_cast<int>(result.scans.size());
   return node < scans ? result.scans[node].id : result.maps[node - scans].id;
-}
-
-std::string Count(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 std::string SigmaText(MotionKind kind, double sigma) {
@@ -46,13 +43,13 @@ std::string PartsText(const OpenMotion& motion) {
     alone &= part.size() == 1;
     sizes += (sizes.empty() ? "" : ", ") + std::to_string(part.size());
   }
-  if (alone) return Count(count, "scan") + ", each by itself";
+  if (alone) return Counted(count, "scan") + ", each by itself";
   if (motion.parts.size() == 2) {
-    return Count(motion.parts[1].size(), "scan") +
+    return Counted(motion.parts[1].size(), "scan") +
            (motion.parts[1].size() > 1 ? " as a whole" : "") + " against " +
-           Count(motion.parts[0].size(), "other");
+           Counted(motion.parts[0].size(), "other");
   }
-  return Count(motion.parts.size(), "part") + " of " + sizes + " scans";
+  return Counted(motion.parts.size(), "part") + " of " + sizes + " scans";
 }
 
 std::string Sentence(const MapResult& result, const OpenMotion& motion) {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "planegraph/base/disjoint_sets.h"
-#include "planegraph/solve/covariance.h"
 
 namespace planegraph {
 namespace {
@@ -54,7 +53,7 @@ class TiesAlong {
   bool IsOpen(const Eigen::Quaterniond& world_from_map, const MapRefinement& refinement) const {
     const Eigen::Vector3d in_map = world_from_map.conjugate() * direction_;
     const double variance = in_map.dot(refinement.covariance.topLeftCorner<3, 3>() * in_map);
-    return !(variance < std::pow(CovarianceOptions().translation_threshold, 2));
+    return !(variance < std::pow(RegistrationOptions().weak_translation, 2));
   }
 
   Eigen::Vector3d direction_;
@@ -90,15 +89,13 @@ Matrix6d InformationOfOpen(const JointProblem& problem, const JointSolution& sol
 void HoldOpenDirections(const JointProblem& problem, const JointSolution& solution, Graph* graph) {
   std::vector<TiesAlong> ties;
   for (const PairRecord& pair : *problem.pairs) {
-    if (!pair.used) continue;
-    for (const auto& step : *problem.odometry) {
-      if (step.target != pair.target || step.source != pair.source) continue;
-      const Matrix6d information = InformationOfOpen(problem, solution, pair, &ties);
-      if (information.isZero()) continue;
-      graph->pose_factors.push_back(MakeRelativePose(static_cast<int>(step.target),
-                                                     static_cast<int>(step.source),
-                                                     step.target_from_source, information, "hold"));
-    }
+    const OdometryStep* step = FindStep(*problem.odometry, pair);
+    if (!pair.used || step == nullptr) continue;
+    const Matrix6d information = InformationOfOpen(problem, solution, pair, &ties);
+    if (information.isZero()) continue;
+    graph->pose_factors.push_back(MakeRelativePose(static_cast<int>(step->target),
+                                                   static_cast<int>(step->source),
+                                                   step->target_from_source, information, "hold"));
   }
 }
 

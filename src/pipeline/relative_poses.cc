@@ -47,10 +47,7 @@ void GroupFactors(const std::vector<ScanRecord>& scans, const std::vector<PairRe
     const auto pair = static_cast<std::size_t>(factor.user_tag);
     const auto loop = std::find(loops.pairs.begin(), loops.pairs.end(), pair);
     if (loop != loops.pairs.end()) factor.group = groups[loop - loops.pairs.begin()];
-    factor.robust = !IsStep(scans, pairs[pair]) ||
-                    std::any_of(odometry.begin(), odometry.end(), [&](const OdometryStep& step) {
-                      return step.target == pairs[pair].target;
-                    });
+    factor.robust = !IsStep(scans, pairs[pair]) || FindStep(odometry, pairs[pair]) != nullptr;
   }
 }
 

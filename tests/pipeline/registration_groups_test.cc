@@ -1,8 +1,8 @@
-#include "pipeline/registration_groups.h"
-
 #include <gtest/gtest.h>
 
 #include <utility>
+
+#include "pipeline/group_judgement.h"
 
 namespace planegraph {
 namespace {

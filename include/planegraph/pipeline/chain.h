@@ -17,8 +17,11 @@ struct OdometryStep {
 /// (ALGORITHMS 6.6). CalibrateOdometry widens it to what the registrations say.
 Matrix6d OdometryCovariance(const Rigid3& target_from_source);
 
-/// The odometry steps between consecutive scans of each robot.
+/// The odometry steps between consecutive scans of each robot, in the order of the scans.
 std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<ScanRecord>& scans);
+
+/// The step between the scans of a pair; null where there is none.
+const OdometryStep* FindStep(const std::vector<OdometryStep>& steps, const PairRecord& pair);
 
 /// Registers each scan to the one before it (step p of the paper): from the odometry where there is
 /// one, without a guess where that fails or there is none.
