@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "planegraph/base/error.h"
-#include "planegraph/base/median.h"
+#include "planegraph/cloud/units.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/segmentation/planes_json.h"
 #include "tools/command.h"
@@ -31,19 +31,6 @@ std::string Summary(const Segmentation& result) {
                 result.labels.size(), result.planes.planes.size(), share,
                 1e3 * result.noise.constant, 1e3 * result.noise.per_metre, SecondsSinceStart());
   return text;
-}
-
-// Half of a scan in metres is hardly ever farther away: from a scanner at a height of 2 m, rays to
-// a flat ground reach that far at 1.1 degrees below the horizon.
-constexpr double kDoubtfulMetres = 100.0;
-
-bool AreUnitsDoubtful(const Cloud& cloud) {
-  std::vector<double> ranges;
-  ranges.reserve(cloud.points.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    ranges.push_back((cloud.Position(i) - cloud.viewpoint).norm());
-  }
-  return Median(std::move(ranges)) > kDoubtfulMetres;
 }
 
 std::string WhyNoPlanes(const Cloud& cloud, const Segmentation& result) {

@@ -9,6 +9,7 @@
 
 #include "planegraph/base/error.h"
 #include "planegraph/cloud/saturated_returns.h"
+#include "planegraph/cloud/units.h"
 #include "planegraph/io/cloud_io.h"
 
 namespace planegraph {
@@ -85,6 +86,7 @@ ScanRecord PrepareScan(const Site& site, std::size_t robot_index, std::size_t in
   record.time = robot.odometry ? robot.odometry->times[index] : static_cast<double>(index);
   record.points = scan.points;
   record.points_filtered = scan.cloud.size();
+  record.units_doubtful = AreUnitsDoubtful(scan.cloud);
   record.seconds_read = scan.seconds_read;
   record.seconds_preprocess = scan.seconds_preprocess;
   Stopwatch watch;

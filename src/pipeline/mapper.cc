@@ -218,6 +218,9 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     Lap lap(&result.seconds.front_end);
     result.scans = PrepareScans(site, options);
   }
+  for (std::string& warning : UnitsWarnings(site, result.scans)) {
+    result.warnings.push_back(std::move(warning));
+  }
   {
     Lap lap(&result.seconds.maps);
     result.maps = PrepareMaps(site, options, &result);

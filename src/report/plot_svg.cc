@@ -14,6 +14,7 @@ constexpr double kLeft = 64, kTop = 22, kRight = 14, kBottom = 38;
 
 struct Axes {
   double x_low = 0.0, x_high = 1.0, y_low = 0.0, y_high = 1.0;
+  double y_step = 1.0;  ///< between the lines of the grid, where it is not logarithmic
   bool logarithmic = false;
 
   double Scaled(double y) const { return logarithmic ? std::log10(y) : y; }
@@ -45,6 +46,9 @@ Axes Fit(const std::vector<PlotLine>& lines, bool logarithmic) {
   if (axes.logarithmic) axes.y_low = std::log10(low) - 0.05;
   axes.y_high = axes.logarithmic ? std::log10(high) + 0.05 : high;
   if (!(axes.y_high - axes.y_low > 1e-12)) axes.y_high = axes.y_low + 1.0;
+  // The uppermost line of the grid lies on or above the largest value.
+  axes.y_step = RoundDown125((axes.y_high - axes.y_low) / 3.0);
+  if (!axes.logarithmic) axes.y_high = axes.y_step * std::ceil(axes.y_high / axes.y_step);
   return axes;
 }
 
@@ -67,8 +71,8 @@ std::string UpSvg(const Axes& axes) {
     }
     return svg;
   }
-  const double step = RoundDown125((axes.y_high - axes.y_low) / 3.0);
-  for (double k = std::ceil(axes.y_low / step); k * step <= axes.y_high; ++k) {
+  const double step = axes.y_step;
+  for (double k = std::ceil(axes.y_low / step); k * step <= axes.y_high + 1e-6 * step; ++k) {
     svg += TickSvg(axes, k * step);
   }
   return svg;

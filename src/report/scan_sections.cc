@@ -86,6 +86,14 @@ std::string WeakestText(const ReportScan& scan, bool has_fixed) {
   return InWords(words) + (has_fixed ? ", held by planes" : "");
 }
 
+// Where no row says what holds its direction, the heading does not promise it.
+std::string WeakestHeading(const ReportData& data, bool has_fixed) {
+  const bool any = std::any_of(data.scans.begin(), data.scans.end(), [](const ReportScan& scan) {
+    return !OpenDirections(*scan.json).empty();
+  });
+  return has_fixed || any ? "weakest direction, and what holds it" : "weakest direction";
+}
+
 std::string SecondsText(const Json& scan) {
   double sum = 0.0;
   bool any = false;
@@ -200,7 +208,7 @@ std::string ScansHtml(const ReportData& data) {
                                      {"sigma", "mm"},
                                      {"sigma", "deg"},
                                      {"time", "s"},
-                                     {"weakest direction, and what holds it", "", false}};
+                                     {WeakestHeading(data, has_fixed), "", false}};
   if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
   HtmlTable table(std::move(columns));
   for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, has_fixed, &table);

@@ -128,6 +128,7 @@ button.show {
     --seen: #e2e5e8; --good: #1a7f4b; --fair: #9a6200; --bad: #b3261e;
   }
   .controls, #viewer .note, .info button { display: none; }
+  section:has(> #viewer:not([data-state="ready"])) { display: none; }  /* nothing was drawn */
   button.show { color: inherit; text-decoration: none; }
   .map { filter: none; } .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; }
   body { max-width: none; padding: 0; font-size: 10pt; }

@@ -65,6 +65,17 @@ TEST_F(MapSmallSite, TimesThatDoNotIncreaseAreAWarning) {
   EXPECT_TRUE(MapScans(site, TwoThreads("none")).warnings.empty());
 }
 
+TEST_F(MapSmallSite, MillimetresAreAskedFor) {
+  SimulatedSite hall = SmallSite(SceneKind::kHall, 3, 16);
+  EXPECT_TRUE(MapScans(WriteAndRead(hall), TwoThreads("none")).warnings.empty());
+  for (std::size_t k = 1; k < 3; ++k) {
+    for (Eigen::Vector3f& point : hall.robots[0].scans[k].cloud.points) point *= 1000.0F;
+  }
+  EXPECT_THAT(MapScans(WriteAndRead(hall, "millimetres"), TwoThreads("none")).warnings,
+              ElementsAre("robot1: in 2 scans of 3 half of the points are farther than 100 m: are "
+                          "the units metres?"));
+}
+
 TEST_F(MapSmallSite, WithoutOdometryScansAreRegisteredWithoutAGuess) {
   const SimulatedSite hall = SmallSite(SceneKind::kHall, 4, 16);
   Site site = WriteAndRead(hall);
