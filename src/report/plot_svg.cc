@@ -52,10 +52,16 @@ Axes Fit(const std::vector<PlotLine>& lines, bool logarithmic) {
   return axes;
 }
 
+// Equally many decimals at each line of a linear axis: those of the step.
+std::string TickText(const Axes& axes, double value) {
+  if (axes.logarithmic) return Significant(value, 2);
+  return Fixed(value, std::max(0, static_cast<int>(-std::floor(std::log10(axes.y_step)))));
+}
+
 std::string TickSvg(const Axes& axes, double value) {
   const double y = axes.Place(axes.x_low, value).y();
   return SvgLine({kLeft, y}, {kLeft + kWidth, y}, " class=\"grid\"") +
-         SvgText({kLeft - 6, y + 4}, " class=\"tick\" text-anchor=\"end\"", Significant(value, 2));
+         SvgText({kLeft - 6, y + 4}, " class=\"tick\" text-anchor=\"end\"", TickText(axes, value));
 }
 
 std::string UpSvg(const Axes& axes) {

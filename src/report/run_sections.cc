@@ -217,9 +217,9 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("optimizer", TextOrDash(TextAt(solve, {"optimizer"})));
   facts.Add("plane factor", TextOrDash(TextAt(solve, {"plane_factor"})));
   facts.Add("robust loss", TextOrDash(TextAt(solve, {"loss"})));
-  facts.Add("initial cost", SignificantOrDash(NumberAt(solve, {"initial_cost"}), 6));
-  facts.Add("final cost", SignificantOrDash(NumberAt(solve, {"final_cost"}), 6));
-  facts.Add("iterations", GroupedOrDash(NumberAt(solve, {"iterations"})));
+  facts.Add("cost before the last round", SignificantOrDash(NumberAt(solve, {"initial_cost"}), 6));
+  facts.Add("cost at the end", SignificantOrDash(NumberAt(solve, {"final_cost"}), 6));
+  facts.Add("iterations of the last solve", GroupedOrDash(NumberAt(solve, {"iterations"})));
   facts.Add("rounds of association", GroupedOrDash(NumberAt(solve, {"rounds"})));
   facts.Add("converged", !converged ? kDash : *converged ? "yes" : "no");
   facts.Add("plane landmarks", GroupedOrDash(NumberAt(solve, {"landmarks"})));

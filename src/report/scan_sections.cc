@@ -146,9 +146,9 @@ std::string WeakestOf(const Json& r) {
   const auto covariance = CovarianceOf(r);
   if (!covariance) return kDash;
   const Weakest weakest = WeakestAxis(*covariance, 0);
-  std::string axis;
-  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ", " : "") + Fixed(weakest.axis[k], 1);
-  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + " mm" : "open") +
+  std::string axis;  // in one piece, wherever the line breaks
+  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ",\u00a0" : "") + Fixed(weakest.axis[k], 1);
+  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + "\u00a0mm" : "open") +
          " along (" + axis + ")";
 }
 

@@ -42,7 +42,7 @@ p { margin: .4rem 0; }
 .verdict .sign { font-weight: 700; width: 1.2em; text-align: center; flex: none; }
 .good { color: var(--good); } .fair { color: var(--fair); } .bad { color: var(--bad); }
 .figures {
-  display: grid; grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr)); gap: .5rem;
+  display: grid; grid-template-columns: repeat(auto-fit, minmax(7.5rem, 1fr)); gap: .5rem;
 }
 .figures div { background: var(--card); border-radius: 6px; padding: .5rem .8rem; }
 .figures b {
@@ -135,7 +135,8 @@ button.show {
   h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 13.5cm; break-inside: avoid; }
   .scroll { overflow: visible; } tr, .figures div { break-inside: avoid; }
   details::details-content { content-visibility: visible; display: block; }
-  table { font-size: 7.5pt; } td:not(:last-child) { white-space: normal; }
+  table { font-size: 7.5pt; } th, td { padding: .2rem .3rem; } th.n { white-space: normal; }
+  td:not(:last-child) { white-space: normal; } td:last-child:not(.n) { min-width: 6rem; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";

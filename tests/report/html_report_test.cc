@@ -67,7 +67,7 @@ TEST_F(HtmlReport, ShowsWhatARegistrationIsWorth) {
   const std::string page = ReportOf(SampleReport().dump());
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">345</td><td class=\"n\">4.2</td>"
                               "<td class=\"n\">1.23</td><td class=\"n\">339</td>"));
-  EXPECT_THAT(page, HasSubstr("3.0 mm along (1.0, 0.0, 0.0)"));  // sqrt(9e-6) m
+  EXPECT_THAT(page, HasSubstr("3.0\u00a0mm along (1.0,\u00a00.0,\u00a00.0)"));  // sqrt(9e-6) m
 }
 
 TEST_F(HtmlReport, NamesWhatIsSwitchedOff) {
