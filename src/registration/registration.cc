@@ -156,6 +156,9 @@ void Decide(const RegistrationOptions& options, Registration* result) {
     result->status = RegistrationStatus::kAmbiguous;
     result->reason = Format("another pose explains nearly as much: quality %.2f against %.2f",
                             result->runner_up, result->quality);
+  } else if (result->unobserved.size() >= 6) {
+    result->status = RegistrationStatus::kFailed;
+    result->reason = "the surfaces in common observe no direction of the pose";
   } else if (!result->unobserved.empty()) {
     result->status = RegistrationStatus::kDegenerate;
     result->reason = DescribeUnobserved(result->unobserved);

@@ -71,7 +71,11 @@ TEST_F(MapSmallSite, MillimetresAreAskedFor) {
   for (std::size_t k = 1; k < 3; ++k) {
     for (Eigen::Vector3f& point : hall.robots[0].scans[k].cloud.points) point *= 1000.0F;
   }
-  EXPECT_THAT(MapScans(WriteAndRead(hall, "millimetres"), TwoThreads("none")).warnings,
+  const MapResult result = MapScans(WriteAndRead(hall, "millimetres"), TwoThreads("none"));
+  // Nothing that observes nothing counts as a registration.
+  for (const PairRecord& pair : result.pairs) EXPECT_FALSE(pair.used) << pair.registration.reason;
+  EXPECT_EQ(result.components, 3);
+  EXPECT_THAT(result.warnings,
               ElementsAre("robot1: in 2 scans of 3 half of the points are farther than 100 m: are "
                           "the units metres?"));
 }
