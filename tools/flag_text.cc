@@ -1,6 +1,6 @@
 #include "tools/flag_text.h"
 
-#include <cstdio>
+#include <charconv>
 #include <cstdlib>
 
 namespace planegraph::tools {
@@ -8,13 +8,9 @@ namespace {
 
 // gflags writes all 17 digits of a double: 0.050000000000000003.
 std::string Shortest(const std::string& number) {
-  const double value = std::strtod(number.c_str(), nullptr);
   char text[64];
-  for (int digits = 1; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof(text), "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) return text;
-  }
-  return number;
+  const double value = std::strtod(number.c_str(), nullptr);
+  return {text, std::to_chars(text, text + sizeof(text), value).ptr};
 }
 
 }  // namespace

@@ -129,6 +129,8 @@ TEST_F(Jobs, NumbersOfFlagsAreShort) {
   EXPECT_THAT(RunTool("map --help").out, HasSubstr("[0.05]"));
   Map(Tiny(), "--map_voxel=0.1");
   EXPECT_THAT(ReadTextFile(Path("out/run.flags")), HasSubstr("--map_voxel=0.1\n"));
+  Map(Tiny(), "--map_voxel=30");  // neither 30.000000000000000 nor 3e+01
+  EXPECT_THAT(ReadTextFile(Path("out/run.flags")), HasSubstr("--map_voxel=30\n"));
 }
 
 TEST_F(Jobs, AScanThatCannotBeReadIsNamed) {
