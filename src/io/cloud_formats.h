@@ -34,13 +34,17 @@ std::optional<Eigen::Vector3d> ParseVectorComment(std::string_view comment, std:
 /// `X Y Z` in full digits.
 std::string FormatVector(const Eigen::Vector3d& vector);
 
-/// Throws InputError unless `count` records of `record_bytes` fit into what is left of the file
-/// from `position` on; says how many bytes are missing. Safe for any numbers.
-void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+/// Throws InputError unless `count` records of `record_bytes` fit into what is left of a file of
+/// `size` bytes from `position` on; says how many bytes are missing. Safe for any numbers.
+void CheckRecordsFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                      std::size_t record_bytes, const std::string& file);
+inline void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+                            std::size_t record_bytes, const std::string& file) {
+  CheckRecordsFit(bytes.size(), position, count, record_bytes, file);
+}
 /// The same for lines of text with `columns` numbers, which need at least 2 bytes each (the last
 /// 1).
-void CheckLinesFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+void CheckLinesFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                    std::size_t columns, const std::string& file);
 
 }  // namespace planegraph

@@ -24,7 +24,7 @@ double VoxelOf(const PlaneSet& planes) {
 
 }  // namespace
 
-VoxelColours::VoxelColours(const Cloud& cloud, double voxel) : voxel_(voxel), slots_(1 << 12) {
+void VoxelColours::Add(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.colors.size(); ++i) {
     const std::uint64_t key = KeyOf(cloud.Position(i));
     if (key == kNone) continue;
@@ -79,8 +79,8 @@ std::optional<Rgb> VoxelColours::At(const Eigen::Vector3d& point) const {
   return mean;
 }
 
-MapColours::MapColours(const Cloud& cloud, const PlaneSet& planes, double gate)
-    : voxels_(cloud, VoxelOf(planes)), surfaces_(MakeSurfels(planes)), gate_(gate) {}
+MapColours::MapColours(const PlaneSet& planes, double gate)
+    : voxels_(VoxelOf(planes)), surfaces_(MakeSurfels(planes)), gate_(gate) {}
 
 std::optional<Rgb> MapColours::OnPlane(const Eigen::Vector3d& point,
                                        const Eigen::Vector3d& normal) const {

@@ -17,8 +17,12 @@ using Rgb = std::array<std::uint8_t, 3>;
 /// and unit are the cloud's.
 class VoxelColours {
  public:
-  /// `voxel`: edge, metres. A cloud without colours leaves nothing.
-  VoxelColours(const Cloud& cloud, double voxel);
+  /// `voxel`: edge, metres.
+  explicit VoxelColours(double voxel) : voxel_(voxel), slots_(1 << 12) {}
+  VoxelColours(const Cloud& cloud, double voxel) : VoxelColours(voxel) { Add(cloud); }
+
+  /// A cloud without colours leaves nothing.
+  void Add(const Cloud& cloud);
 
   bool empty() const { return voxels_ == 0; }
   std::size_t voxels() const { return voxels_; }
@@ -43,10 +47,11 @@ class VoxelColours {
 /// The colours that a drone map lends to laser points that lie on what it saw.
 class MapColours {
  public:
-  /// `cloud` is the map's, in the frame of `planes`; `gate`: metres along the normal that laser and
-  /// map may be apart.
-  MapColours(const Cloud& cloud, const PlaneSet& planes, double gate);
+  /// `gate`: metres along the normal that laser and map may be apart.
+  MapColours(const PlaneSet& planes, double gate);
 
+  /// The map's cloud, or parts of it, in the frame of the planes.
+  void Add(const Cloud& cloud) { voxels_.Add(cloud); }
   bool empty() const { return voxels_.empty(); }
   /// Of a point on a plane with that normal: where the map has a surface that faces the same way,
   /// so that the underside of a roof does not get the colour of its top.

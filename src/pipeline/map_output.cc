@@ -5,9 +5,11 @@
 #include <numeric>
 
 #include "pipeline/map_colours.h"
+#include "pipeline/tiled_thinning.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_writer.h"
+#include "planegraph/io/tile_file.h"
 
 namespace planegraph {
 namespace {
@@ -86,11 +88,25 @@ Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels
 }
 
 void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& labels,
-                      const Sim3& shifted_from_metric, double voxel, MapPlyWriter* writer) {
-  for (const std::uint32_t i : Thinned(cloud, voxel)) {
+                      const Sim3& shifted_from_metric, const std::vector<std::uint32_t>& kept,
+                      MapPlyWriter* writer) {
+  for (const std::uint32_t i : kept) {
     const Rgb colour = cloud.colors.empty() ? Subdued(PlaneColour(labels[i])) : cloud.colors[i];
     writer->Add((shifted_from_metric * cloud.Position(i)).cast<float>(), colour,
                 PointSource::kVision, -1, labels[i]);
+  }
+}
+
+// The points of a map that does not fit in memory, tile by tile.
+void WriteTiles(const TileFile& tiles, const Sim3& shifted_from_metric, double voxel,
+                MapColours* colours, MapPlyWriter* writer) {
+  TiledThinning thinning(voxel, tiles.edge());
+  for (std::size_t t = 0; t < tiles.count(); ++t) {
+    std::vector<std::int32_t> labels = tiles.ReadLabels(t);
+    const Cloud cloud = WithoutStrays(tiles.Load(t), voxel, &labels);
+    const auto kept = thinning.Keep(cloud, Thinned(cloud, voxel));
+    WriteDronePoints(cloud, labels, shifted_from_metric, kept, writer);
+    colours->Add(cloud);
   }
 }
 
@@ -99,13 +115,19 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
                          double voxel, MapPlyWriter* writer) {
   constexpr double kLeastGate = 0.1, kWidestGate = 0.4;  // metres; walls are not much thicker
   const MapRecord& record = result.maps[map];
+  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
+  shifted_from_metric.translation -= offset;
+  MapColours colours(record.planes, std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate));
+  if (record.tiles) {
+    WriteTiles(*record.tiles, shifted_from_metric, voxel, &colours, writer);
+    return colours;
+  }
   std::vector<std::int32_t> labels = record.labels;
   const Cloud cloud =
       WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
-  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
-  shifted_from_metric.translation -= offset;
-  WriteDronePoints(cloud, labels, shifted_from_metric, voxel, writer);
-  return {cloud, record.planes, std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate)};
+  WriteDronePoints(cloud, labels, shifted_from_metric, Thinned(cloud, voxel), writer);
+  colours.Add(cloud);
+  return colours;
 }
 
 std::vector<std::optional<MapColours>> WriteDroneMaps(const MapResult& result,
