@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pipeline/map_colours.h"
@@ -97,6 +98,21 @@ void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& label
   }
 }
 
+// As far as the scans that are registered to a map see.
+SeenParts PartsSeen(const MapResult& result, std::size_t map) {
+  SeenParts seen;
+  const Sim3 metric_from_world = result.solution.world_from_metric[map].Inverse();
+  for (const MapPairRecord& pair : result.map_pairs) {
+    if (!pair.used || pair.map != map) continue;
+    const auto& farthest = result.scans[pair.scan].planes.range_image.farthest();
+    const float reach = farthest.empty() ? std::numeric_limits<float>::infinity()
+                                         : *std::max_element(farthest.begin(), farthest.end());
+    const Sim3 pose = metric_from_world * Sim3(result.solution.world_from_scan[pair.scan]);
+    seen.Add(pose * result.scans[pair.scan].planes.viewpoint, pose.scale * reach);
+  }
+  return seen;
+}
+
 // The points of a map that does not fit in memory, tile by tile.
 void WriteTiles(const TileFile& tiles, const Sim3& shifted_from_metric, double voxel,
                 MapColours* colours, MapPlyWriter* writer) {
@@ -117,11 +133,13 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
   const MapRecord& record = result.maps[map];
   Sim3 shifted_from_metric = result.solution.world_from_metric[map];
   shifted_from_metric.translation -= offset;
-  MapColours colours(record.planes, std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate));
+  const double gate = std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate);
   if (record.tiles) {
+    MapColours colours(record.planes, gate, PartsSeen(result, map));
     WriteTiles(*record.tiles, shifted_from_metric, voxel, &colours, writer);
     return colours;
   }
+  MapColours colours(record.planes, gate);
   std::vector<std::int32_t> labels = record.labels;
   const Cloud cloud =
       WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
