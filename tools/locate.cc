@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 #include <memory>
 
 #include "planegraph/base/error.h"
@@ -13,6 +14,7 @@
 #include "planegraph/registration/map_registration.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
+#include "tools/map_memory.h"
 #include "tools/plane_input.h"
 #include "tools/pose_json.h"
 
@@ -46,8 +48,9 @@ MapRecord ReadMap() {
   }
   site.maps.push_back(map);
   std::vector<std::string> warnings;
-  MapRecord record = PrepareMap(site, 0, FLAGS_threads, &warnings);
-  if (!warnings.empty()) throw NoResultError(warnings.front());
+  MapRecord record = PrepareMap(site, 0, FLAGS_threads, &warnings, MapMemoryFromFlags(""));
+  if (!FLAGS_gps.empty() && !record.has_position()) throw NoResultError(warnings.front());
+  for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
   return record;
 }
 
@@ -183,8 +186,9 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command LocateCommand() {
-  std::vector<std::string> flags = {"map", "odometry",    "map_scale", "cameras",
-                                    "gps", "image_times", "method",    "output"};
+  std::vector<std::string> flags = {"map",        "odometry",    "map_scale", "cameras",
+                                    "gps",        "image_times", "method",    "output",
+                                    "map_memory", "scratch_dir"};
   for (const auto& flag : SegmentationFlags()) flags.push_back(flag);
   return {"locate", "SCAN...", "where one scan, or several as a group, stand in a drone map", flags,
           Run};

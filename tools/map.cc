@@ -16,6 +16,7 @@
 #include "planegraph/report/html_report.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
+#include "tools/map_memory.h"
 
 DEFINE_string(optimizer, "graph", "graph (joint), metascan (the paper's), none (pairwise chain)");
 DEFINE_string(plane_factor, "moments",
@@ -45,6 +46,7 @@ MapOptions OptionsFromFlags() {
   options.loss = losses.general;
   options.factor_losses = losses.by_type;
   options.threads = FLAGS_threads;
+  options.map_memory = MapMemoryFromFlags(FLAGS_output_dir);
   return options;
 }
 
@@ -252,11 +254,12 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command MapCommand() {
-  return {"map",
-          "SITE.yaml",
-          "scans to one consistent map: poses, merged map, report",
-          {"output_dir", "optimizer", "plane_factor", "loss", "map_voxel"},
-          Run};
+  return {
+      "map",
+      "SITE.yaml",
+      "scans to one consistent map: poses, merged map, report",
+      {"output_dir", "optimizer", "plane_factor", "loss", "map_voxel", "map_memory", "scratch_dir"},
+      Run};
 }
 
 }  // namespace planegraph::tools

@@ -44,14 +44,16 @@ class DirectionGrid {
  private:
   void Mark(const Surfel& surfel);
   void MarkPoint(const Eigen::Vector3d& point, const std::vector<int>& classes);
-  std::size_t Index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * size_.y() + y) * size_.x() + x;
+  // The words of a row along x, a bit for each voxel, and one more.
+  std::size_t Words() const { return static_cast<std::size_t>(size_.x()) / 64 + 2; }
+  std::size_t Row(int y, int z) const {
+    return (static_cast<std::size_t>(z) * size_.y() + y) * Words();
   }
 
   double voxel_;
   Eigen::Vector3d low_ = Eigen::Vector3d::Zero();
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-  std::array<std::vector<std::uint8_t>, kClasses> layers_;  // empty: no surface of that class
+  std::array<std::vector<std::uint64_t>, kClasses> layers_;  // empty: no surface of that class
 };
 
 }  // namespace planegraph

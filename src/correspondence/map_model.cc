@@ -14,14 +14,15 @@ constexpr double kVoxel = 0.8;  // metres
 MapModel::MapModel(const PlaneSet& planes)
     : surfaces_(planes),
       grid_(std::make_shared<const DirectionGrid>(surfaces_.map.surfels(), kVoxel)),
-      sky_(surfaces_.map.surfels()) {}
+      sky_(surfaces_.map.surfels()),
+      sections_(surfaces_.map.surfels()) {}
 
 std::vector<std::uint32_t> MapModel::Section(const Eigen::Vector3d& centre, double radius) const {
-  std::vector<std::uint32_t> found;
   const auto& surfels = surfaces().surfels();
-  for (std::uint32_t i = 0; i < surfels.size(); ++i) {
-    if ((surfels[i].mean - centre).squaredNorm() <= radius * radius) found.push_back(i);
-  }
+  std::vector<std::uint32_t> found = sections_.Near(centre, radius);
+  std::erase_if(found, [&](std::uint32_t i) {
+    return !((surfels[i].mean - centre).squaredNorm() <= radius * radius);
+  });
   return found;
 }
 

@@ -22,8 +22,10 @@ std::uint32_t PackedBits(double value, bool is_float) {
 }  // namespace
 
 CloudBuilder::CloudBuilder(TextColumns columns)
-    : columns_(std::move(columns)), has_(columns_.roles), offset_is_fixed_(columns_.offset) {
-  cloud_.offset = columns_.offset.value_or(Eigen::Vector3d::Zero());
+    : columns_(std::move(columns)),
+      has_(columns_.roles),
+      offset_is_fixed_(columns_.offset || columns_.shift) {
+  cloud_.offset = columns_.offset.value_or(columns_.shift.value_or(Eigen::Vector3d::Zero()));
 }
 
 void CloudBuilder::Reserve(std::size_t points) {

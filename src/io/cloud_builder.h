@@ -25,6 +25,8 @@ struct TextColumns {
   bool is_3dtk = false;
   /// As the file states it. Without it, one is chosen where coordinates are large.
   std::optional<Eigen::Vector3d> offset;
+  /// Taken off the coordinates and given as the cloud's offset, in place of what is chosen.
+  std::optional<Eigen::Vector3d> shift = {};
 };
 
 /// Collects a cloud from rows of numbers. Points that are not finite are dropped.

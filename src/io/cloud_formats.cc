@@ -32,25 +32,25 @@ std::string FormatVector(const Eigen::Vector3d& vector) {
   return text;
 }
 
-void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+void CheckRecordsFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                      std::size_t record_bytes, const std::string& file) {
-  const std::uint64_t left = bytes.size() - position;
+  const std::uint64_t left = size - position;
   if (record_bytes == 0 || count <= left / record_bytes) return;
   const bool countable = count <= std::numeric_limits<std::uint64_t>::max() / record_bytes;
   const std::string missing =
       countable ? std::to_string(count * record_bytes - left) : std::string("more than 1e19");
-  throw InputError::AtByte(file, bytes.size(),
+  throw InputError::AtByte(file, size,
                            "the file ends " + missing + " bytes before its data (" +
                                std::to_string(count) + " records of " +
                                std::to_string(record_bytes) + " bytes)");
 }
 
-void CheckLinesFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+void CheckLinesFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                    std::size_t columns, const std::string& file) {
-  const std::uint64_t left = bytes.size() - position;
+  const std::uint64_t left = size - position;
   const std::size_t least = 2 * columns;
   if (columns == 0 || count <= (left + 1) / least) return;
-  throw InputError::AtByte(file, bytes.size(),
+  throw InputError::AtByte(file, size,
                            "the header promises " + std::to_string(count) + " points, and only " +
                                std::to_string(left) + " bytes follow");
 }

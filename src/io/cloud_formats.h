@@ -18,7 +18,8 @@ namespace planegraph {
 Cloud ParsePly(std::string_view bytes, const std::string& file);
 /// The points of a merged map by their sources, read by blocks from the start of a stream that can
 /// seek. Nothing where it is no whole map.ply as MapPlyWriter writes it.
-std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file);
+std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file,
+                                     std::size_t most_vision = kEveryPoint);
 /// A PLY with an int `plane` per point; nothing where it is another PLY or none.
 std::optional<LabelledCloud> ParseLabelledPly(std::string_view bytes, const std::string& file);
 Cloud ParsePcd(std::string_view bytes, const std::string& file);
@@ -34,13 +35,17 @@ std::optional<Eigen::Vector3d> ParseVectorComment(std::string_view comment, std:
 /// `X Y Z` in full digits.
 std::string FormatVector(const Eigen::Vector3d& vector);
 
-/// Throws InputError unless `count` records of `record_bytes` fit into what is left of the file
-/// from `position` on; says how many bytes are missing. Safe for any numbers.
-void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+/// Throws InputError unless `count` records of `record_bytes` fit into what is left of a file of
+/// `size` bytes from `position` on; says how many bytes are missing. Safe for any numbers.
+void CheckRecordsFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                      std::size_t record_bytes, const std::string& file);
+inline void CheckRecordsFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+                            std::size_t record_bytes, const std::string& file) {
+  CheckRecordsFit(bytes.size(), position, count, record_bytes, file);
+}
 /// The same for lines of text with `columns` numbers, which need at least 2 bytes each (the last
 /// 1).
-void CheckLinesFit(std::string_view bytes, std::size_t position, std::uint64_t count,
+void CheckLinesFit(std::uint64_t size, std::size_t position, std::uint64_t count,
                    std::size_t columns, const std::string& file);
 
 }  // namespace planegraph

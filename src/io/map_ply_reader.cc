@@ -97,41 +97,69 @@ class Stretches {
   std::uint64_t count_, stretches_;
 };
 
-void AddRecord(const char* record, MergedMap* map) {
-  Eigen::Vector3f point;
-  std::memcpy(point.data(), record, sizeof(float) * 3);
-  if (!point.allFinite()) return;
-  if (record[kPlaceOfSource] != static_cast<char>(PointSource::kVision)) {
-    map->laser.points.push_back(point);
-    return;
+// Gathers the points of a map by their sources. Of the drone's, which may be any number, every
+// second one is let go whenever there are too many.
+class Gatherer {
+ public:
+  Gatherer(const Eigen::Vector3d& offset, std::size_t most_vision) : most_(most_vision) {
+    map_.laser.offset = map_.vision.offset = offset;
   }
-  map->vision.points.push_back(point);
-  std::memcpy(map->vision.colors.emplace_back().data(), record + kPlaceOfColour, 3);
-}
+
+  void Add(const char* record) {
+    Eigen::Vector3f point;
+    std::memcpy(point.data(), record, sizeof(float) * 3);
+    if (!point.allFinite()) return;
+    if (record[kPlaceOfSource] != static_cast<char>(PointSource::kVision)) {
+      map_.laser.points.push_back(point);
+      return;
+    }
+    if (seen_++ % stride_ != 0) return;
+    map_.vision.points.push_back(point);
+    std::memcpy(map_.vision.colors.emplace_back().data(), record + kPlaceOfColour, 3);
+    if (map_.vision.size() > most_) Halve();
+  }
+  MergedMap Take() { return std::move(map_); }
+
+ private:
+  void Halve() {
+    const std::size_t kept = (map_.vision.size() + 1) / 2;
+    for (std::size_t i = 0; i < kept; ++i) {
+      map_.vision.points[i] = map_.vision.points[2 * i];
+      map_.vision.colors[i] = map_.vision.colors[2 * i];
+    }
+    map_.vision.points.resize(kept);
+    map_.vision.colors.resize(kept);
+    stride_ *= 2;
+  }
+
+  MergedMap map_;
+  std::size_t most_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+};
 
 }  // namespace
 
-std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file) {
+std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file,
+                                     std::size_t most_vision) {
   const std::optional<PlyHeader> header = OpenOurs(stream, file);
   if (!header) return {};
-  MergedMap map;
-  map.laser.offset = map.vision.offset = *header->offset;
+  Gatherer gatherer(*header->offset, most_vision);
   const bool whole = ForEachBlock(stream, header->elements.front().count,
                                   [&](std::uint64_t, std::size_t points, const char* records) {
                                     for (std::size_t i = 0; i < points; ++i) {
-                                      AddRecord(records + i * kRecordBytes, &map);
+                                      gatherer.Add(records + i * kRecordBytes);
                                     }
                                   });
   if (!whole) return {};
-  return map;
+  return gatherer.Take();
 }
 
-MergedMap ReadMapPly(const std::string& path) {
+MergedMap ReadMapPly(const std::string& path, std::size_t most_vision) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) {  // what a pipe gave would be gone
     std::ifstream stream(path, std::ios::binary);
     if (stream) {
-      if (auto map = ParseMapPly(&stream, path)) return std::move(*map);
+      if (auto map = ParseMapPly(&stream, path, most_vision)) return std::move(*map);
     }
   }
   // Every other file, and what is wrong with one.

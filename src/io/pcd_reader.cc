@@ -2,6 +2,7 @@
 
 #include "io/cloud_builder.h"
 #include "io/cloud_formats.h"
+#include "io/cloud_layout.h"
 #include "io/lzf.h"
 #include "io/pcd_header.h"
 #include "io/point_columns.h"
@@ -11,28 +12,10 @@
 namespace planegraph {
 namespace {
 
-// One role per field; fields of several values have no meaning here.
-std::vector<Role> RolesOf(const PcdHeader& header, const std::string& file) {
-  std::vector<Role> roles;
-  for (const PcdField& field : header.fields) {
-    roles.push_back(field.count == 1 ? RoleOfName(field.name) : Role::kSkip);
-  }
-  SkipRepeatedRoles(&roles);
-  if (!RoleSet(roles).position) throw InputError::InFile(file, "its FIELDS have no x, y, z");
-  return roles;
-}
-
 Cloud ParseAscii(std::string_view bytes, const PcdHeader& header, const std::vector<Role>& roles,
                  const std::string& file) {
-  TextColumns columns;
-  columns.offset = header.offset;
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    columns.roles.insert(columns.roles.end(), header.fields[i].count, roles[i]);
-    const bool is_float = IsFloating(header.fields[i].type);
-    if (roles[i] == Role::kPackedColor) columns.packed_is_float = is_float;
-    if (roles[i] == Role::kRed && is_float) columns.color_scale = 255.0;
-  }
-  CheckLinesFit(bytes, header.body, header.points, columns.roles.size(), file);
+  const TextColumns columns = TextColumnsOf(header, roles);
+  CheckLinesFit(bytes.size(), header.body, header.points, columns.roles.size(), file);
   CloudBuilder builder(columns);
   builder.Reserve(header.points);
   LineReader lines(bytes.substr(header.body), header.lines + 1);

@@ -4,6 +4,7 @@
 
 #include "io/cloud_builder.h"
 #include "io/cloud_formats.h"
+#include "io/cloud_layout.h"
 #include "io/ply_header.h"
 #include "io/point_columns.h"
 #include "io/text_scanner.h"
@@ -11,25 +12,6 @@
 
 namespace planegraph {
 namespace {
-
-std::vector<Role> RolesOf(const PlyElement& vertex) {
-  std::vector<Role> roles;
-  for (const PlyProperty& property : vertex.properties) {
-    roles.push_back(property.is_list ? Role::kSkip : RoleOfName(property.name));
-  }
-  SkipRepeatedRoles(&roles);
-  return roles;
-}
-
-const PlyElement& FindVertices(const PlyHeader& header, const std::string& file) {
-  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                  [](const PlyElement& e) { return e.name == "vertex"; });
-  if (found == header.elements.end()) throw InputError::InFile(file, "holds no element 'vertex'");
-  if (!RoleSet(RolesOf(*found)).position) {
-    throw InputError::InFile(file, "its vertices have no x, y, z");
-  }
-  return *found;
-}
 
 // ---- binary ----
 
@@ -149,23 +131,6 @@ std::string WithoutLists(std::string_view line, const PlyElement& vertex, const 
   return rest;
 }
 
-TextColumns ColumnsOf(const PlyElement& vertex, const PlyHeader& header) {
-  TextColumns columns;
-  columns.offset = header.offset;
-  const std::vector<Role> roles = RolesOf(vertex);
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    const PlyProperty& property = vertex.properties[i];
-    if (property.is_list) continue;
-    columns.roles.push_back(roles[i]);
-    if (roles[i] == Role::kPackedColor) columns.packed_is_float = IsFloating(property.type);
-    if (roles[i] == Role::kRed && IsFloating(property.type)) columns.color_scale = 255.0;
-    if (roles[i] == Role::kRed && property.type == ScalarType::kUint16) {
-      columns.color_scale = 1.0 / 257.0;
-    }
-  }
-  return columns;
-}
-
 Cloud ParseAscii(std::string_view bytes, const PlyHeader& header, const PlyElement& vertex,
                  const std::string& file) {
   LineReader lines(bytes.substr(header.body), header.lines + 1);
@@ -176,9 +141,9 @@ Cloud ParseAscii(std::string_view bytes, const PlyHeader& header, const PlyEleme
       if (!NextFilledLine(&lines, &line)) FailAtEnd(lines, element, i, file);
     }
   }
-  CheckLinesFit(bytes, header.body + lines.position(), vertex.count, vertex.properties.size(),
-                file);
-  CloudBuilder builder(ColumnsOf(vertex, header));
+  CheckLinesFit(bytes.size(), header.body + lines.position(), vertex.count,
+                vertex.properties.size(), file);
+  CloudBuilder builder(TextColumnsOf(vertex, header));
   builder.Reserve(vertex.count);
   const bool has_lists = vertex.HasLists();
   for (std::uint64_t i = 0; i < vertex.count; ++i) {

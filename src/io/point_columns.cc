@@ -126,6 +126,7 @@ void LoadWidePoints(const PointColumns& source, const RoleIndex& index, Cloud* c
     return p.allFinite() && IsLarge(p);
   });
   if (!source.offset && large != wide.end()) shift = large->array().round();
+  if (source.shift) shift = *source.shift;
   cloud->offset += shift;
   cloud->points.resize(source.count);
   for (std::size_t i = 0; i < source.count; ++i) {

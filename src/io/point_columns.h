@@ -69,6 +69,8 @@ struct PointColumns {
   std::size_t count = 0;
   bool swap_bytes = false;
   std::optional<Eigen::Vector3d> offset;
+  /// Taken off double coordinates and given as the cloud's offset, in place of what is chosen.
+  std::optional<Eigen::Vector3d> shift = {};
 };
 
 /// The cloud of those columns, without its points that are not finite.

@@ -22,9 +22,16 @@ double VoxelOf(const PlaneSet& planes) {
   return finest;
 }
 
+std::vector<Surfel> SurfelsIn(const PlaneSet& planes, const SeenParts& seen, double gate) {
+  std::vector<Surfel> surfels = MakeSurfels(planes);
+  std::erase_if(surfels, [&](const Surfel& s) { return !seen.Reach(s.mean, gate + 2 * s.size); });
+  surfels.shrink_to_fit();
+  return surfels;
+}
+
 }  // namespace
 
-VoxelColours::VoxelColours(const Cloud& cloud, double voxel) : voxel_(voxel), slots_(1 << 12) {
+void VoxelColours::Add(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.colors.size(); ++i) {
     const std::uint64_t key = KeyOf(cloud.Position(i));
     if (key == kNone) continue;
@@ -79,8 +86,32 @@ std::optional<Rgb> VoxelColours::At(const Eigen::Vector3d& point) const {
   return mean;
 }
 
-MapColours::MapColours(const Cloud& cloud, const PlaneSet& planes, double gate)
-    : voxels_(cloud, VoxelOf(planes)), surfaces_(MakeSurfels(planes)), gate_(gate) {}
+MapColours::MapColours(const PlaneSet& planes, double gate)
+    : voxels_(VoxelOf(planes)), surfaces_(MakeSurfels(planes)), gate_(gate) {}
+
+bool SeenParts::Reach(const Eigen::Vector3d& place, double slack) const {
+  return std::any_of(balls_.begin(), balls_.end(), [&](const auto& ball) {
+    return (place - ball.first).norm() <= ball.second + slack;
+  });
+}
+
+MapColours::MapColours(const PlaneSet& planes, double gate, SeenParts seen)
+    : voxels_(VoxelOf(planes)),
+      surfaces_(SurfelsIn(planes, seen, gate)),
+      gate_(gate),
+      seen_(std::move(seen)) {}
+
+void MapColours::Add(const Cloud& cloud) {
+  if (!seen_ || cloud.size() == 0) return voxels_.Add(cloud);
+  Eigen::Vector3d low = cloud.Position(0), high = low;
+  for (std::size_t i = 1; i < cloud.size(); ++i) {
+    low = low.cwiseMin(cloud.Position(i));
+    high = high.cwiseMax(cloud.Position(i));
+  }
+  // A colour is looked up at a point, or at its foot on a surface within the gate.
+  const double slack = (high - low).norm() / 2 + gate_ + 2 * voxels_.voxel();
+  if (seen_->Reach((low + high) / 2, slack)) voxels_.Add(cloud);
+}
 
 std::optional<Rgb> MapColours::OnPlane(const Eigen::Vector3d& point,
                                        const Eigen::Vector3d& normal) const {

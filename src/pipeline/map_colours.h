@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "planegraph/cloud/cloud.h"
@@ -17,11 +18,16 @@ using Rgb = std::array<std::uint8_t, 3>;
 /// and unit are the cloud's.
 class VoxelColours {
  public:
-  /// `voxel`: edge, metres. A cloud without colours leaves nothing.
-  VoxelColours(const Cloud& cloud, double voxel);
+  /// `voxel`: edge, metres.
+  explicit VoxelColours(double voxel) : voxel_(voxel), slots_(1 << 12) {}
+  VoxelColours(const Cloud& cloud, double voxel) : VoxelColours(voxel) { Add(cloud); }
+
+  /// A cloud without colours leaves nothing.
+  void Add(const Cloud& cloud);
 
   bool empty() const { return voxels_ == 0; }
   std::size_t voxels() const { return voxels_; }
+  double voxel() const { return voxel_; }
   /// The mean colour of the voxel that the point is in; nothing where it holds no points.
   std::optional<Rgb> At(const Eigen::Vector3d& point) const;
 
@@ -40,13 +46,27 @@ class VoxelColours {
   std::vector<Slot> slots_;  // a power of two, at most half full
 };
 
+/// What laser scans can see of a drone map: balls about their places, in its metric frame.
+class SeenParts {
+ public:
+  void Add(const Eigen::Vector3d& place, double reach) { balls_.push_back({place, reach}); }
+  /// Whether the place is within `slack` metres of one of them.
+  bool Reach(const Eigen::Vector3d& place, double slack) const;
+
+ private:
+  std::vector<std::pair<Eigen::Vector3d, double>> balls_;
+};
+
 /// The colours that a drone map lends to laser points that lie on what it saw.
 class MapColours {
  public:
-  /// `cloud` is the map's, in the frame of `planes`; `gate`: metres along the normal that laser and
-  /// map may be apart.
-  MapColours(const Cloud& cloud, const PlaneSet& planes, double gate);
+  /// `gate`: metres along the normal that laser and map may be apart.
+  MapColours(const PlaneSet& planes, double gate);
+  /// For the laser points in `seen` alone, of which the others' colours may be any.
+  MapColours(const PlaneSet& planes, double gate, SeenParts seen);
 
+  /// The map's cloud, or parts of it, in the frame of the planes.
+  void Add(const Cloud& cloud);
   bool empty() const { return voxels_.empty(); }
   /// Of a point on a plane with that normal: where the map has a surface that faces the same way,
   /// so that the underside of a roof does not get the colour of its top.
@@ -58,6 +78,7 @@ class MapColours {
   VoxelColours voxels_;
   PatchMap surfaces_;
   double gate_;
+  std::optional<SeenParts> seen_;
 };
 
 }  // namespace planegraph

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
+#include "pipeline/map_tiles.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/cloud_io.h"
 
@@ -63,10 +65,10 @@ void OrientByCameras(const std::string& file, const Sim3& metric_from_map, Plane
 }
 
 // A point far off everything is the file's error, not the program's.
-Segmentation Segment(const Cloud& cloud, const std::string& file,
-                     const MapSegmentationOptions& options) {
+template <typename Segmenter>
+void Segment(const std::string& file, const Segmenter& segmenter) {
   try {
-    return SegmentMap(cloud, options);
+    segmenter();
   } catch (const std::length_error& error) {
     throw InputError::InFile(file, error.what());
   }
@@ -84,26 +86,83 @@ void SetFrames(const DroneMapSite& site, MapRecord* map) {
   if (site.scale_sigma) map->sigma_scale = *site.scale_sigma;
 }
 
+// The planes leave an offset out: it becomes part of the metric frame.
+void TakeOffsetIn(const Eigen::Vector3d& offset, MapRecord* map) {
+  const Sim3 shift(1.0, Eigen::Quaterniond::Identity(), offset);
+  map->metric_from_map = shift.Inverse() * map->metric_from_map;
+  map->world_from_metric = map->world_from_metric * shift;
+}
+
+// Reads and segments the cloud as a whole; whether it has normals.
+bool SegmentWhole(const DroneMapSite& source, int threads, MapRecord* map) {
+  auto start = std::chrono::steady_clock::now();
+  Cloud cloud = LoadMapCloud(source, map->metric_from_map);
+  TakeOffsetIn(cloud.offset, map);
+  cloud.viewpoint -= cloud.offset;
+  cloud.offset.setZero();
+  map->points = cloud.size();
+  map->seconds_read = Seconds(start);
+  start = std::chrono::steady_clock::now();
+  MapSegmentationOptions options;
+  options.segmentation = VisionOptions(cloud);
+  options.threads = threads;
+  Segment(source.cloud, [&] {
+    Segmentation segmentation = SegmentMap(cloud, options);
+    map->planes = std::move(segmentation.planes);
+    map->labels = std::move(segmentation.labels);
+  });
+  map->seconds_segment = Seconds(start);
+  return !cloud.normals.empty();
+}
+
+// The same by way of tiles on disk.
+bool SegmentInTiles(const DroneMapSite& source, int threads, const MapMemory& memory,
+                    MapRecord* map) {
+  auto start = std::chrono::steady_clock::now();
+  const TiledCloud tiled = SpillCloud(source.cloud, map->metric_from_map, memory, threads);
+  TakeOffsetIn(tiled.shift, map);
+  map->tiles = tiled.tiles;
+  map->points = tiled.tiles->Points();
+  map->seconds_read = Seconds(start);
+  start = std::chrono::steady_clock::now();
+  MapSegmentationOptions options;
+  options.segmentation = VisionOptions(tiled.density);
+  options.threads = tiled.threads;
+  Segment(source.cloud, [&] {
+    map->planes = SegmentTiles(*tiled.tiles, options,
+                               [&](std::size_t tile, const std::vector<std::int32_t>& labels) {
+                                 map->tiles->WriteLabels(tile, labels);
+                               });
+  });
+  map->seconds_segment = Seconds(start);
+  return tiled.tiles->has_normals();
+}
+
+// Whether the cloud has to be read in parts. Where that cannot be, it is read as a whole.
+bool IsTooLarge(const DroneMapSite& source, const MapMemory& memory,
+                std::vector<std::string>* warnings) {
+  const auto bytes = BytesAsAWhole(source.cloud);
+  if (bytes) return *bytes > memory.bytes;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(source.cloud, error);
+  if (!error && size > memory.bytes) {
+    warnings->push_back(source.name +
+                        ": its cloud is read as a whole, beyond the memory that maps may take: "
+                        "only PLY and PCD without compression and lists are read in parts");
+  }
+  return false;
+}
+
 }  // namespace
 
 Cloud LoadMapCloud(const DroneMapSite& map, const Sim3& target_from_map) {
   Cloud cloud = ReadCloud(map.cloud);
-  const Eigen::Vector3d offset = (target_from_map * cloud.offset).array().round();
-  const Sim3 moved(target_from_map.scale, target_from_map.rotation,
-                   target_from_map * cloud.offset - offset);
-  const Eigen::Matrix3d turn = moved.scale * moved.rotation.toRotationMatrix();
-  for (auto& point : cloud.points) {
-    point = (turn * point.cast<double>() + moved.translation).cast<float>();
-  }
-  const Eigen::Matrix3f rotation = moved.rotation.toRotationMatrix().cast<float>();
-  for (auto& normal : cloud.normals) normal = (rotation * normal).eval();
-  cloud.viewpoint = target_from_map * cloud.viewpoint;
-  cloud.offset = offset;
+  MoveCloud(target_from_map, &cloud);
   return cloud;
 }
 
 MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
-                     std::vector<std::string>* warnings) {
+                     std::vector<std::string>* warnings, const MapMemory& memory) {
   const DroneMapSite& source = site.maps[index];
   MapRecord map;
   map.id = source.name;
@@ -112,27 +171,14 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
     warnings->push_back(map.id + ": no scale and place by GPS: " + map.georeference->reason);
   }
   SetFrames(source, &map);
-  auto start = std::chrono::steady_clock::now();
-  Cloud cloud = LoadMapCloud(source, map.metric_from_map);
-  // The planes leave an offset out: it becomes part of the metric frame.
-  const Sim3 shift(1.0, Eigen::Quaterniond::Identity(), cloud.offset);
-  map.metric_from_map = shift.Inverse() * map.metric_from_map;
-  map.world_from_metric = map.world_from_metric * shift;
-  cloud.viewpoint -= cloud.offset;
-  cloud.offset.setZero();
-  map.points = cloud.size();
-  map.seconds_read = Seconds(start);
-  start = std::chrono::steady_clock::now();
-  MapSegmentationOptions options;
-  options.segmentation = VisionOptions(cloud);
-  options.threads = threads;
-  Segmentation segmentation = Segment(cloud, source.cloud, options);
-  map.planes = std::move(segmentation.planes);
-  if (cloud.normals.empty() && !source.cameras.empty()) {
+  const bool has_normals = IsTooLarge(source, memory, warnings)
+                               ? SegmentInTiles(source, threads, memory, &map)
+                               : SegmentWhole(source, threads, &map);
+  const auto start = std::chrono::steady_clock::now();
+  if (!has_normals && !source.cameras.empty()) {
     OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
   }
-  map.labels = std::move(segmentation.labels);
-  map.seconds_segment = Seconds(start);
+  map.seconds_segment += Seconds(start);
   return map;
 }
 

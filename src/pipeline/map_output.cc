@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pipeline/map_colours.h"
+#include "pipeline/tiled_thinning.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_writer.h"
+#include "planegraph/io/tile_file.h"
 
 namespace planegraph {
 namespace {
@@ -86,11 +89,40 @@ Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels
 }
 
 void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& labels,
-                      const Sim3& shifted_from_metric, double voxel, MapPlyWriter* writer) {
-  for (const std::uint32_t i : Thinned(cloud, voxel)) {
+                      const Sim3& shifted_from_metric, const std::vector<std::uint32_t>& kept,
+                      MapPlyWriter* writer) {
+  for (const std::uint32_t i : kept) {
     const Rgb colour = cloud.colors.empty() ? Subdued(PlaneColour(labels[i])) : cloud.colors[i];
     writer->Add((shifted_from_metric * cloud.Position(i)).cast<float>(), colour,
                 PointSource::kVision, -1, labels[i]);
+  }
+}
+
+// As far as the scans that are registered to a map see.
+SeenParts PartsSeen(const MapResult& result, std::size_t map) {
+  SeenParts seen;
+  const Sim3 metric_from_world = result.solution.world_from_metric[map].Inverse();
+  for (const MapPairRecord& pair : result.map_pairs) {
+    if (!pair.used || pair.map != map) continue;
+    const auto& farthest = result.scans[pair.scan].planes.range_image.farthest();
+    const float reach = farthest.empty() ? std::numeric_limits<float>::infinity()
+                                         : *std::max_element(farthest.begin(), farthest.end());
+    const Sim3 pose = metric_from_world * Sim3(result.solution.world_from_scan[pair.scan]);
+    seen.Add(pose * result.scans[pair.scan].planes.viewpoint, pose.scale * reach);
+  }
+  return seen;
+}
+
+// The points of a map that does not fit in memory, tile by tile.
+void WriteTiles(const TileFile& tiles, const Sim3& shifted_from_metric, double voxel,
+                MapColours* colours, MapPlyWriter* writer) {
+  TiledThinning thinning(voxel, tiles.edge());
+  for (std::size_t t = 0; t < tiles.count(); ++t) {
+    std::vector<std::int32_t> labels = tiles.ReadLabels(t);
+    const Cloud cloud = WithoutStrays(tiles.Load(t), voxel, &labels);
+    const auto kept = thinning.Keep(cloud, Thinned(cloud, voxel));
+    WriteDronePoints(cloud, labels, shifted_from_metric, kept, writer);
+    colours->Add(cloud);
   }
 }
 
@@ -99,13 +131,21 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
                          double voxel, MapPlyWriter* writer) {
   constexpr double kLeastGate = 0.1, kWidestGate = 0.4;  // metres; walls are not much thicker
   const MapRecord& record = result.maps[map];
+  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
+  shifted_from_metric.translation -= offset;
+  const double gate = std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate);
+  if (record.tiles) {
+    MapColours colours(record.planes, gate, PartsSeen(result, map));
+    WriteTiles(*record.tiles, shifted_from_metric, voxel, &colours, writer);
+    return colours;
+  }
+  MapColours colours(record.planes, gate);
   std::vector<std::int32_t> labels = record.labels;
   const Cloud cloud =
       WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
-  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
-  shifted_from_metric.translation -= offset;
-  WriteDronePoints(cloud, labels, shifted_from_metric, voxel, writer);
-  return {cloud, record.planes, std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate)};
+  WriteDronePoints(cloud, labels, shifted_from_metric, Thinned(cloud, voxel), writer);
+  colours.Add(cloud);
+  return colours;
 }
 
 std::vector<std::optional<MapColours>> WriteDroneMaps(const MapResult& result,

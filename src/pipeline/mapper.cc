@@ -43,7 +43,7 @@ std::vector<MapRecord> PrepareMaps(const Site& site, const MapOptions& options, 
   std::vector<MapRecord> maps;
   for (std::size_t m = 0; m < site.maps.size(); ++m) {
     options.progress("maps", static_cast<double>(m) / static_cast<double>(site.maps.size()));
-    maps.push_back(PrepareMap(site, m, options.threads, &result->warnings));
+    maps.push_back(PrepareMap(site, m, options.threads, &result->warnings, options.map_memory));
   }
   if (!maps.empty()) options.progress("maps", 1.0);
   return maps;

@@ -28,9 +28,10 @@ Json ReadReport(const std::string& path) {
 }
 
 MergedMap ReadMap(const std::string& path) {
+  constexpr std::size_t kEnoughVision = 8000000;  // some ten for each pixel of its picture
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return {};
-  return ReadMapPly(path);
+  return ReadMapPly(path, kEnoughVision);
 }
 
 std::string Head(const std::string& name) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "planegraph/base/median.h"
@@ -27,45 +26,14 @@ double DistanceToNeighbour(const std::vector<Eigen::Vector3f>& points, const Eig
   return std::sqrt(static_cast<double>(nearest.front()));
 }
 
-// Points per square metre of surface: the median over a few places.
-double SurfaceDensity(const Cloud& cloud) {
-  const std::size_t stride = 1 + cloud.size() / kThinned;
-  std::vector<Eigen::Vector3f> thinned;
-  for (std::size_t i = 0; i < cloud.size(); i += stride) thinned.push_back(cloud.points[i]);
-  if (thinned.size() <= kProbeNeighbours) return 0.0;
-  std::vector<double> distances;
-  const std::size_t step = 1 + thinned.size() / kProbes;
-  for (std::size_t i = 0; i < thinned.size(); i += step) {
-    distances.push_back(DistanceToNeighbour(thinned, thinned[i]));
-  }
-  const double distance = Median(std::move(distances));
-  const double area = std::numbers::pi * std::max(distance * distance, 1e-12);
-  return static_cast<double>(stride) * (kProbeNeighbours - 1) / area;
-}
-
-using Tiles = std::vector<std::vector<std::uint32_t>>;
-
-// The points of each tile that has any, tiles in order.
-Tiles SplitIntoTiles(const Cloud& cloud, double edge) {
-  std::map<std::pair<long, long>, std::vector<std::uint32_t>> tiles;
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    const auto& p = cloud.points[i];
-    tiles[{std::lround(std::floor(p.x() / edge)), std::lround(std::floor(p.y() / edge))}].push_back(
-        i);
-  }
-  Tiles list;
-  for (auto& [key, points] : tiles) list.push_back(std::move(points));
-  return list;
-}
-
 // The noise of the quietest surfaces, measured over a share of the tiles as one cloud.
-NoiseModel MapNoise(const Cloud& cloud, const Tiles& tiles, const SegmentationOptions& options) {
+NoiseModel MapNoise(const CloudTiles& tiles, const SegmentationOptions& options) {
   constexpr std::size_t kEnough = 2000000;
   std::vector<NoiseSample> samples;
   std::size_t total = 0;
-  const std::size_t stride = 1 + cloud.size() / kEnough;
-  for (std::size_t t = 0; t < tiles.size() && total < kEnough; t += stride) {
-    const Cloud tile = Select(cloud, tiles[t]);
+  const std::size_t stride = 1 + tiles.Points() / kEnough;
+  for (std::size_t t = 0; t < tiles.count() && total < kEnough; t += stride) {
+    const Cloud tile = tiles.Load(t);
     const auto more = CollectNoiseSamples(CellOctree(tile, options.cell_size, options.levels), tile,
                                           options.kind);
     samples.insert(samples.end(), more.begin(), more.end());
@@ -74,29 +42,56 @@ NoiseModel MapNoise(const Cloud& cloud, const Tiles& tiles, const SegmentationOp
   return EstimateNoise(std::move(samples));
 }
 
-// Appends a tile's planes, patches and labels to the whole.
-void Append(Segmentation tile, const std::vector<std::uint32_t>& points, Segmentation* whole) {
-  const auto first = static_cast<std::int32_t>(whole->planes.planes.size());
-  for (PlaneSegment& plane : tile.planes.planes) {
+// Appends a tile's planes and patches to the whole; its labels become those of the whole.
+void Append(Segmentation* tile, PlaneSet* whole) {
+  const auto first = static_cast<std::int32_t>(whole->planes.size());
+  for (PlaneSegment& plane : tile->planes.planes) {
     plane.id += first;
-    whole->planes.planes.push_back(std::move(plane));
+    whole->planes.push_back(std::move(plane));
   }
-  for (Patch& patch : tile.planes.patches) {
+  for (Patch& patch : tile->planes.patches) {
     if (patch.segment >= 0) patch.segment += first;
-    whole->planes.patches.push_back(patch);
+    whole->patches.push_back(patch);
   }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (tile.labels[i] >= 0) whole->labels[points[i]] = tile.labels[i] + first;
-  }
+  for (std::int32_t& label : tile->labels) label = label < 0 ? -1 : label + first;
+  whole->viewpoint = tile->planes.viewpoint;
+  whole->offset = tile->planes.offset;
+  whole->point_count += tile->planes.point_count;
 }
 
 }  // namespace
 
+DensitySample::DensitySample(std::size_t total) : stride_(1 + total / kThinned) {}
+
+void DensitySample::Add(const Cloud& part) {
+  const std::size_t first = (stride_ - seen_ % stride_) % stride_;
+  for (std::size_t i = first; i < part.size(); i += stride_) points_.push_back(part.points[i]);
+  seen_ += part.size();
+}
+
+double DensitySample::PerSquareMetre() const {
+  if (points_.size() <= kProbeNeighbours) return 0.0;
+  std::vector<double> distances;
+  const std::size_t step = 1 + points_.size() / kProbes;
+  for (std::size_t i = 0; i < points_.size(); i += step) {
+    distances.push_back(DistanceToNeighbour(points_, points_[i]));
+  }
+  const double distance = Median(std::move(distances));
+  const double area = std::numbers::pi * std::max(distance * distance, 1e-12);
+  return static_cast<double>(stride_) * (kProbeNeighbours - 1) / area;
+}
+
 SegmentationOptions VisionOptions(const Cloud& cloud) {
+  DensitySample sample(cloud.size());
+  sample.Add(cloud);
+  return VisionOptions(sample);
+}
+
+SegmentationOptions VisionOptions(const DensitySample& sample) {
   constexpr double kPointsPerCell = 9.0;
   SegmentationOptions options;
   options.kind = CloudKind::kVision;
-  const double density = SurfaceDensity(cloud);
+  const double density = sample.PerSquareMetre();
   const double edge = density > 0.0 ? std::sqrt(kPointsPerCell / density) : 0.4;
   options.cell_size = std::clamp(edge, 0.1, 0.5);
   options.levels = 3;
@@ -109,23 +104,38 @@ SegmentationOptions VisionOptions(const Cloud& cloud) {
   return options;
 }
 
-Segmentation SegmentMap(const Cloud& cloud, const MapSegmentationOptions& options) {
-  const Tiles tiles = SplitIntoTiles(cloud, options.tile);
+PlaneSet SegmentTiles(const CloudTiles& tiles, const MapSegmentationOptions& options,
+                      const TakeLabels& take) {
   SegmentationOptions segmentation = options.segmentation;
-  if (!segmentation.noise) segmentation.noise = MapNoise(cloud, tiles, segmentation);
-  Segmentation whole;
+  if (!segmentation.noise) segmentation.noise = MapNoise(tiles, segmentation);
+  PlaneSet whole;
+  whole.kind = segmentation.kind;
   whole.noise = *segmentation.noise;
+  const std::size_t batch = 4 * static_cast<std::size_t>(ResolveThreads(options.threads));
+  for (std::size_t first = 0; first < tiles.count(); first += batch) {
+    std::vector<Segmentation> parts(std::min(batch, tiles.count() - first));
+    ParallelFor(parts.size(), options.threads, [&](std::size_t k) {
+      parts[k] = SegmentPlanes(tiles.Load(first + k), segmentation);
+    });
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      Append(&parts[k], &whole);
+      take(first + k, std::move(parts[k].labels));
+    }
+  }
+  return whole;
+}
+
+Segmentation SegmentMap(const Cloud& cloud, const MapSegmentationOptions& options) {
+  const TilesInMemory tiles(cloud, options.tile);
+  Segmentation whole;
   whole.labels.assign(cloud.size(), -1);
-  whole.planes.kind = segmentation.kind;
+  whole.planes = SegmentTiles(tiles, options, [&](std::size_t t, std::vector<std::int32_t> labels) {
+    const auto& points = tiles.IndicesOf(t);
+    for (std::size_t i = 0; i < points.size(); ++i) whole.labels[points[i]] = labels[i];
+  });
+  whole.noise = whole.planes.noise;
   whole.planes.offset = cloud.offset;
   whole.planes.viewpoint = cloud.viewpoint - cloud.offset;
-  whole.planes.point_count = cloud.size();
-  whole.planes.noise = whole.noise;
-  std::vector<Segmentation> parts(tiles.size());
-  ParallelFor(tiles.size(), options.threads, [&](std::size_t t) {
-    parts[t] = SegmentPlanes(Select(cloud, tiles[t]), segmentation);
-  });
-  for (std::size_t t = 0; t < tiles.size(); ++t) Append(std::move(parts[t]), tiles[t], &whole);
   return whole;
 }
 

@@ -53,6 +53,28 @@ class LocateJob : public TestFolder {
   }
 };
 
+TEST_F(LocateJob, FindsAScanInAMapBeyondItsMemory) {
+  for (const char* memory : {"20", "5"}) {
+    const Outcome tiles = RunTool("locate --json --threads=2 " + Scan(0) + Map() + Gps() +
+                                  " --map_memory=" + memory + " --scratch_dir=" + Path(""));
+    ASSERT_EQ(tiles.exit_code, 0) << tiles.err;
+    EXPECT_LT(Error(json::parse(tiles.out), 0), 0.2) << memory;
+  }
+}
+
+TEST_F(LocateJob, SaysWhatIsWrongWithTheScratchFolderAndTheMap) {
+  const std::string job = "locate --map_memory=1 " + Scan(0) + Gps();
+  const Outcome nowhere = RunTool(job + Map() + " --scratch_dir=" + Path("nowhere"));
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("takes no scratch file of a large drone map"));
+  const std::string bytes = ReadTextFile(Path("yard/uav/cloud.ply"));
+  const std::string cut = Write("cut.ply", bytes.substr(0, bytes.size() / 2));
+  const Outcome damaged = RunTool(job + " --map=" + cut);
+  EXPECT_EQ(damaged.exit_code, 2);
+  EXPECT_THAT(damaged.err, HasSubstr("the file ends"));
+  EXPECT_EQ(RunTool("locate --map_memory=0 " + Scan(0) + Map()).exit_code, 1);
+}
+
 TEST_F(LocateJob, FindsAScanByGpsScaleAndByAStatedOne) {
   char scale[64];
   std::snprintf(scale, sizeof(scale), " --map_scale=%.6f", Truth()["scale"].get<double>());

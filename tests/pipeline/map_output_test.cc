@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "io/test_files.h"
 #include "pipeline/map_colours.h"
@@ -10,7 +11,9 @@
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/io/cloud_writer.h"
+#include "planegraph/io/tile_file.h"
 #include "planegraph/pipeline/outputs.h"
+#include "planegraph/segmentation/planes_json.h"
 #include "planegraph/simulation/simulation.h"
 
 namespace planegraph {
@@ -170,6 +173,100 @@ TEST_F(HybridMap, TheNumberOfThreadsChangesNoByte) {
   EXPECT_TRUE(ReadTextFile(folder_ + "/one/map.ply") == ReadTextFile(folder_ + "/two/map.ply"));
 }
 
+// The voxels of the drone's frame that its points in map.ply are in.
+std::set<std::array<long, 3>> DroneVoxels(const std::vector<Record>& records,
+                                          const Sim3& world_from_metric, double voxel) {
+  std::set<std::array<long, 3>> voxels;
+  for (const Record& record : records) {
+    if (record.source != 1) continue;
+    // Floats of the file may end beside a voxel's border: cells twice as wide are compared.
+    const Eigen::Vector3d p = world_from_metric.Inverse() * record.position / (2 * voxel);
+    voxels.insert({std::lround(p.x()), std::lround(p.y()), std::lround(p.z())});
+  }
+  return voxels;
+}
+
+TEST_F(HybridMap, AMapInTilesOnDiskIsTheSame) {
+  MapResult tiled = *result_;
+  std::vector<std::string> warnings;
+  MapMemory memory;
+  memory.scratch = folder_;
+  memory.bytes = 22000000;
+  tiled.maps[0] = PrepareMap(result_->site, 0, 2, &warnings, memory);
+  const MapRecord &whole = result_->maps[0], &parts = tiled.maps[0];
+  ASSERT_FALSE(whole.tiles);
+  ASSERT_TRUE(parts.tiles);
+  EXPECT_GT(parts.tiles->count(), 4u);
+  EXPECT_EQ(parts.tiles->edge(), MapSegmentationOptions::kTile);
+  EXPECT_EQ(FormatPlanes(parts.planes), FormatPlanes(whole.planes)) << "to the byte";
+  EXPECT_EQ(parts.points, whole.points);
+  WriteOutputs(tiled, {folder_ + "/tiled", kVoxel, 2});
+  const auto records =
+      ReadRecords(folder_ + "/tiled/map.ply", ReadCloud(folder_ + "/tiled/map.ply").offset);
+  ASSERT_EQ(records.size(), records_.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    ASSERT_EQ(records[i].source, records_[i].source);
+    if (records[i].source == 0) {
+      EXPECT_EQ(records[i].colour, records_[i].colour);
+      EXPECT_EQ(records[i].position, records_[i].position);
+    }
+  }
+  const Sim3& pose = result_->solution.world_from_metric[0];
+  const auto found = DroneVoxels(records, pose, kVoxel), all = DroneVoxels(records_, pose, kVoxel);
+  std::vector<std::array<long, 3>> other;
+  std::set_symmetric_difference(found.begin(), found.end(), all.begin(), all.end(),
+                                std::back_inserter(other));
+  // Other points of the same voxels at the tiles' borders alone.
+  EXPECT_LT(other.size(), 0.01 * static_cast<double>(all.size()));
+}
+
+TEST_F(HybridMap, AMapWithoutThinningKeepsAllPointsAndLabelsInTiles) {
+  MapResult tiled = *result_;
+  std::vector<std::string> warnings;
+  MapMemory memory;
+  memory.scratch = folder_;
+  memory.bytes = 22000000;
+  tiled.maps[0] = PrepareMap(result_->site, 0, 1, &warnings, memory);
+  WriteOutputs(tiled, {folder_ + "/tiled0", 0.0, 1});
+  WriteOutputs(*result_, {folder_ + "/whole0", 0.0, 1});
+  std::vector<std::vector<std::string>> sorted;
+  for (const char* name : {"/tiled0/map.ply", "/whole0/map.ply"}) {
+    const std::string bytes = ReadTextFile(folder_ + name), end = "end_header\n";
+    sorted.emplace_back();
+    for (std::size_t at = bytes.find(end) + end.size(); at + 24 <= bytes.size(); at += 24) {
+      if (bytes[at + 15] == 1) sorted.back().push_back(bytes.substr(at + 12, 12));
+    }
+    std::sort(sorted.back().begin(), sorted.back().end());
+  }
+  EXPECT_EQ(sorted[0], sorted[1]) << "colours and planes of the points";
+}
+
+// A point is in one patch of one tile, or in none.
+TEST_F(HybridMap, TilesTooFullForTheMemoryAreCutSmaller) {
+  std::vector<std::string> warnings;
+  MapMemory memory;
+  memory.scratch = folder_;
+  std::size_t tiles = 0;
+  for (const std::uint64_t bytes : {4000000, 1000000}) {
+    memory.bytes = bytes;
+    const MapRecord one = PrepareMap(result_->site, 0, 1, &warnings, memory);
+    const MapRecord two = PrepareMap(result_->site, 0, 2, &warnings, memory);
+    ASSERT_TRUE(one.tiles);
+    EXPECT_LT(one.tiles->edge(), MapSegmentationOptions::kTile);
+    EXPECT_GT(one.tiles->count(), tiles);
+    tiles = one.tiles->count();
+    EXPECT_EQ(FormatPlanes(one.planes), FormatPlanes(two.planes));
+    EXPECT_EQ(one.tiles->Points(), result_->maps[0].points);
+    double in_patches = 0.0, whole = 0.0, on_planes = 0.0;
+    for (const Patch& patch : one.planes.patches) in_patches += patch.moments.count;
+    for (const Patch& patch : result_->maps[0].planes.patches) whole += patch.moments.count;
+    EXPECT_LE(in_patches, static_cast<double>(one.points));
+    EXPECT_GT(in_patches, 0.95 * whole);
+    for (const PlaneSegment& plane : one.planes.planes) on_planes += plane.moments.count;
+    EXPECT_LE(on_planes, in_patches);
+  }
+}
+
 TEST_F(HybridMap, AMapThatNoScanIsAnchoredToIsLeftOut) {
   MapResult apart = *result_;
   for (auto& pair : apart.map_pairs) pair.used = false;
@@ -214,7 +311,8 @@ PlaneSet PatchesOfRoof() {
 }
 
 TEST(MapColours, ASurfaceThatFacesTheOtherWayHasNone) {
-  const MapColours colours(RedRoof(), PatchesOfRoof(), 0.2);
+  MapColours colours(PatchesOfRoof(), 0.2);
+  colours.Add(RedRoof());
   const Eigen::Vector3d above(0.3, 0.2, 0.1), below(0.3, 0.2, -0.1), high(0.3, 0.2, 0.4);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   ASSERT_TRUE(colours.OnPlane(above, up).has_value());

@@ -62,9 +62,12 @@ struct MergedMap {
   Cloud vision;  ///< with colours
 };
 
-/// Reads map.ply back, a block at a time. The points of any other PLY are the laser's. Points with
+inline constexpr std::size_t kEveryPoint = static_cast<std::size_t>(-1);
+
+/// Reads map.ply back, a block at a time. Of more than `most_vision` points of drones every second
+/// one stays, or every fourth, and so on. The points of any other PLY are the laser's. Points with
 /// a NaN or infinite coordinate are dropped. Throws InputError.
-MergedMap ReadMapPly(const std::string& path);
+MergedMap ReadMapPly(const std::string& path, std::size_t most_vision = kEveryPoint);
 
 /// A point of a merged map with all that map.ply says of it.
 struct MapPlyPoint {

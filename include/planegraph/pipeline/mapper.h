@@ -30,6 +30,7 @@ struct MapOptions {
   LossSpec loss{"cauchy", 2.4};  ///< of the planes; measurements of poses and maps: cauchy:2.4
   std::map<std::string, LossSpec> factor_losses;  ///< others, by the factor's name
   int threads = 0;
+  MapMemory map_memory;
   SegmentationOptions segmentation;
   RegistrationOptions registration;
   std::size_t neighbours_per_scan = 4;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+
+#include "planegraph/cloud/cloud_tiles.h"
 #include "planegraph/segmentation/segmenter.h"
 
 namespace planegraph {
@@ -9,10 +12,29 @@ namespace planegraph {
 /// metres.
 SegmentationOptions VisionOptions(const Cloud& cloud);
 
+/// Points of a cloud that are looked at for its density: equally spaced in its order, 300 000 to
+/// 600 000 of a large one.
+class DensitySample {
+ public:
+  /// `total`: points of the whole cloud.
+  explicit DensitySample(std::size_t total);
+  /// The cloud in parts of any size, in its order.
+  void Add(const Cloud& part);
+  /// Points per square metre of surface: the median over a few places.
+  double PerSquareMetre() const;
+
+ private:
+  std::size_t stride_, seen_ = 0;
+  std::vector<Eigen::Vector3f> points_;
+};
+/// Likewise, of a cloud that is not in memory.
+SegmentationOptions VisionOptions(const DensitySample& sample);
+
 struct MapSegmentationOptions {
+  static constexpr double kTile = 25.6;
   SegmentationOptions segmentation;
-  double tile = 25.6;  ///< edge of a tile in x and y, metres
-  int threads = 1;     ///< 0: all cores; the result is the same for each number
+  double tile = kTile;  ///< edge of a tile in x and y, metres
+  int threads = 1;      ///< 0: all cores; the result is the same for each number
 };
 
 /// Planes of a large cloud, segmented once as a whole: tile by tile in x and y, so that beside the
@@ -20,5 +42,13 @@ struct MapSegmentationOptions {
 /// tile is two; its patches, which registration works on, do not notice. Labels are those of the
 /// whole.
 Segmentation SegmentMap(const Cloud& cloud, const MapSegmentationOptions& options);
+
+/// Takes the labels of a tile's points; tiles come in order, by one thread.
+using TakeLabels = std::function<void(std::size_t tile, std::vector<std::int32_t> labels)>;
+
+/// The same of a cloud that is there tile by tile (`options.tile` is not looked at): as many tiles
+/// as threads are in memory, and nothing of a tile's points stays.
+PlaneSet SegmentTiles(const CloudTiles& tiles, const MapSegmentationOptions& options,
+                      const TakeLabels& take);
 
 }  // namespace planegraph
