@@ -217,6 +217,8 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("optimizer", TextOrDash(TextAt(solve, {"optimizer"})));
   facts.Add("plane factor", TextOrDash(TextAt(solve, {"plane_factor"})));
   facts.Add("robust loss", TextOrDash(TextAt(solve, {"loss"})));
+  facts.Add("size of the noise by",
+            TextOrDash(TextAt(*data.json, {"configuration", "covariance"})));
   facts.Add("initial cost", SignificantOrDash(NumberAt(solve, {"initial_cost"}), 6));
   facts.Add("final cost", SignificantOrDash(NumberAt(solve, {"final_cost"}), 6));
   facts.Add("iterations", GroupedOrDash(NumberAt(solve, {"iterations"})));

@@ -37,6 +37,14 @@ void ForEachResidual(LinearizedGraph* linear, const Function& function) {
   }
 }
 
+// Neighbouring surfaces of a map err together. Their stated variances are raised for that, but no
+// residual shows it: they stay as they are.
+bool TellsItsNoise(const PlaneResidual& residual) {
+  return residual.tag.plane >= 0 &&
+         std::none_of(residual.blocks.begin(), residual.blocks.end(),
+                      [](const BlockRef& block) { return block.kind == BlockKind::kMap; });
+}
+
 // What share of |r|^2 one row of each component has on average.
 std::map<Component, double> Shares(LinearizedGraph* linear) {
   std::map<Index, double> squares;
@@ -138,7 +146,7 @@ PlaneVariances MeasureVariances(const PoseSystem& system, std::size_t pose_count
     if (residuals.empty()) continue;
     const GroupLeverage leverage(residuals, system, numbers);
     for (const PlaneResidual* residual : residuals) {
-      if (residual->tag.plane >= 0) leverage.Add(*residual, &variances[residual->tag.plane]);
+      if (TellsItsNoise(*residual)) leverage.Add(*residual, &variances[residual->tag.plane]);
     }
   }
   return variances;
@@ -205,8 +213,10 @@ void SetResidualScatter(const PoseSystem& system, std::size_t pose_count, Linear
   ForEachResidual(linear, [&](PlaneResidual& residual) {
     const Index rows = residual.linear.residual.size();
     residual.scatter.resize(rows);
+    const bool by_residuals = TellsItsNoise(residual);
     for (Index k = 0; k < rows; ++k) {
-      const double factor = factors[residual.tag.plane].at(ComponentOf(rows, k));
+      const double factor =
+          by_residuals ? factors[residual.tag.plane].at(ComponentOf(rows, k)) : 1.0;
       residual.scatter[k] = factor / (residual.curvature.size() > 0 ? residual.curvature[k] : 1.0);
     }
   });

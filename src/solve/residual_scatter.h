@@ -9,8 +9,9 @@ namespace planegraph {
 // the robust cost and B the scatter of the scores. Of the planes' observations, B takes the
 // residuals' own variance over their redundancy, for each landmark and each component (the two
 // tilts, the offset) by itself. Errors that all observations of a landmark share move the landmark
-// and no pose. All else (odometry, GPS, gravity, starts, what ties planes) enters B as stated, so
-// that what the planes leave open stays as uncertain as that says.
+// and no pose. All else (what drone maps observe, whose neighbouring surfaces err together;
+// odometry, GPS, gravity, starts, what ties planes) enters B as stated, so that what the planes
+// leave open stays as uncertain as that says.
 
 /// Takes the rows of the planes' Jacobians times the root of the curvature that the robust loss
 /// leaves them, relative to its weight: 1 + 2 rho'' r_t^2 / rho', the mean over residuals of the
