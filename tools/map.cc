@@ -27,6 +27,10 @@ DEFINE_string(loss, "cauchy:2.4",
               "tukey, geman_mcclure, dcs; gnc_tls, gnc_gm (graduated non-convexity); after it "
               "other losses for factors by their names (see `planegraph factors`), say "
               "relative_pose=huber:2");
+DEFINE_string(
+    covariance, "residuals",
+    "what says how large the noise is behind the sigmas of the report: residuals (of each "
+    "surface), stated (the noise model alone)");
 DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
 
@@ -45,6 +49,7 @@ MapOptions OptionsFromFlags() {
   const FactorLosses losses = ParseFactorLosses(FLAGS_loss, options.loss, BuiltinFactors());
   options.loss = losses.general;
   options.factor_losses = losses.by_type;
+  options.covariance = ParseCovarianceNoise(FLAGS_covariance);
   options.threads = FLAGS_threads;
   options.map_memory = MapMemoryFromFlags(FLAGS_output_dir);
   return options;
@@ -254,12 +259,12 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command MapCommand() {
-  return {
-      "map",
-      "SITE.yaml",
-      "scans to one consistent map: poses, merged map, report",
-      {"output_dir", "optimizer", "plane_factor", "loss", "map_voxel", "map_memory", "scratch_dir"},
-      Run};
+  return {"map",
+          "SITE.yaml",
+          "scans to one consistent map: poses, merged map, report",
+          {"output_dir", "optimizer", "plane_factor", "loss", "covariance", "map_voxel",
+           "map_memory", "scratch_dir"},
+          Run};
 }
 
 }  // namespace planegraph::tools

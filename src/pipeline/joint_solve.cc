@@ -312,6 +312,7 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
   RemoveFakedInformation(OpenDirections(pairs, result->solution.world_from_scan), &graph);
   std::erase_if(graph.pose_factors, [](const PoseFactor& f) { return f.source == "hold"; });
   CovarianceOptions limits;
+  limits.noise = options.covariance;
   limits.translation_threshold = options.registration.weak_translation;
   limits.rotation_threshold = options.registration.weak_rotation;
   result->covariance =
@@ -324,7 +325,11 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
   for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
     result->map_covariances.push_back(covariance.Map(m));
   }
-  result->bridges = Bridges(*result, pairs, covariance);
+  if (Components(result->scans.size(), pairs) == result->component) return;
+  // Like the other edges of the graph that is written: by the stated noise.
+  limits.noise = CovarianceNoise::kStated;
+  result->bridges =
+      Bridges(*result, pairs, GraphCovariance(graph, RoundOptions(options, true), limits));
 }
 
 }  // namespace planegraph

@@ -282,6 +282,7 @@ Json ConfigurationJson(const MapResult& result, const MapOptions& options) {
   Json json = {{"optimizer", options.optimizer},
                {"plane_factor", options.plane_factor},
                {"loss", LossText(options)},
+               {"covariance", Name(options.covariance)},
                {"neighbours_per_scan", options.neighbours_per_scan},
                {"most_rounds", options.most_rounds},
                {"segmentation",

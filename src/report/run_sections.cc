@@ -217,6 +217,8 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("optimizer", TextOrDash(TextAt(solve, {"optimizer"})));
   facts.Add("plane factor", TextOrDash(TextAt(solve, {"plane_factor"})));
   facts.Add("robust loss", TextOrDash(TextAt(solve, {"loss"})));
+  facts.Add("size of the noise by",
+            TextOrDash(TextAt(*data.json, {"configuration", "covariance"})));
   facts.Add("cost before the last round", SignificantOrDash(NumberAt(solve, {"initial_cost"}), 6));
   facts.Add("cost at the end", SignificantOrDash(NumberAt(solve, {"final_cost"}), 6));
   facts.Add("iterations of the last solve", GroupedOrDash(NumberAt(solve, {"iterations"})));

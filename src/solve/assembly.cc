@@ -17,6 +17,14 @@ double LossDerivative(const ceres::LossFunction* loss, double squared_norm) {
   return rho[1];
 }
 
+// 2 rho'' s / rho', which a loss's scale and weight do not change.
+double RadialCurvature(const ceres::LossFunction* loss, double squared_norm) {
+  if (loss == nullptr) return 0.0;
+  double rho[3];
+  loss->Evaluate(squared_norm, rho);
+  return rho[1] > 0.0 ? std::min(0.0, 2.0 * rho[2] * squared_norm / rho[1]) : 0.0;
+}
+
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMatrix& ambient) {
@@ -220,7 +228,9 @@ void Assembly::Linearize(const Residual& residual, LinearizedResidual* out) {
     jacobians[k] = ambient[k].data();
   }
   residual.cost->Evaluate(blocks.data(), out->residual.data(), jacobians.data());
-  const double scale = std::sqrt(LossDerivative(residual.loss, out->residual.squaredNorm()));
+  const double squared_norm = out->residual.squaredNorm();
+  out->radial_curvature = RadialCurvature(residual.loss, squared_norm);
+  const double scale = std::sqrt(LossDerivative(residual.loss, squared_norm));
   out->residual *= scale;
   out->jacobians.resize(count);
   for (std::size_t k = 0; k < count; ++k) {

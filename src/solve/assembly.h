@@ -40,6 +40,9 @@ struct SwitchGroup {
 struct LinearizedResidual {
   Eigen::VectorXd residual;
   std::vector<Eigen::MatrixXd> jacobians;  ///< residuals x 6 (pose), x 3 (plane) or x 7 (map)
+  /// 2 rho'' |r|^2 / rho': what a robust loss takes from the second derivative of the cost along
+  /// the residual, relative to that of the squared one; 0 or less.
+  double radial_curvature = 0.0;
 };
 
 /// All residuals of a graph, and the parameter blocks they work on. Ceres and the covariance both

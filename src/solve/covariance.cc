@@ -6,9 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "solve/open_motions.h"
 #include "solve/quantity.h"
+#include "solve/residual_scatter.h"
 
 namespace planegraph {
 namespace {
@@ -57,12 +59,15 @@ class GraphCovariance::Implementation {
         options_(covariance_options),
         linear_(LinearizeGraph(graph, options)),
         groups_(linear_) {
-    PoseInformation information(graph.poses.size());
-    AddAllPlaneInformation(linear_, &information);
-    planes_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, false));
-    plane_information_ = std::make_unique<PoseInformation>(information);
-    for (const auto& factor : linear_.pose_factors) AddPoseFactorInformation(factor, &information);
-    all_ = std::make_unique<PoseSystem>(information, GaugeFixed(graph, true));
+    // What is observed is asked of the stated noise: a threshold on geometry.
+    plane_information_ = std::make_unique<PoseInformation>(graph.poses.size());
+    AddAllPlaneInformation(linear_, plane_information_.get());
+    planes_ = std::make_unique<PoseSystem>(*plane_information_, GaugeFixed(graph, false));
+    if (covariance_options.noise == CovarianceNoise::kResiduals && HasPlanes(options)) {
+      SetByResiduals();
+    } else {
+      all_ = AllSystem(*plane_information_);
+    }
   }
 
   const Graph& graph() const { return graph_; }
@@ -81,14 +86,14 @@ class GraphCovariance::Implementation {
     for (Eigen::Index q = 0; q < count; ++q) {
       gradients.middleCols<6>(6 * q) = Gradient(*all_, quantities[q]);
     }
-    MatrixXd covariance = Symmetric(gradients.transpose() * all_->Solve(gradients));
+    MatrixXd covariance = Symmetric(all_->CovarianceOf(gradients));
     for (Eigen::Index q = 0; q < count; ++q) SetUnknown(*all_, quantities[q], 6 * q, &covariance);
     return covariance;
   }
 
   Matrix7d MapCovariance(int map) const {
     const int node = static_cast<int>(graph_.poses.size()) + map;
-    return Symmetric(all_->Block(node, node));
+    return Symmetric(all_->Covariance(node, node));
   }
 
   // What the observations alone leave, and what of the poses' errors goes through.
@@ -98,7 +103,14 @@ class GraphCovariance::Implementation {
     if (!elimination.determined) return Matrix3d::Constant(kNotANumber);
     Matrix3d covariance = elimination.covariance;
     if (!elimination.by_nodes.empty()) covariance += CovarianceOf(*all_, elimination.by_nodes);
-    return covariance;
+    // The poses' errors come from the same observations.
+    Matrix3d common = Matrix3d::Zero();
+    for (const auto& [a, with_scores] : elimination.with_scores) {
+      for (const auto& [b, by_node] : elimination.by_nodes) {
+        common += with_scores * all_->Block(a, b) * by_node.transpose();
+      }
+    }
+    return covariance + common + common.transpose();
   }
 
   std::vector<UnobservedDirection> Unobserved(const Quantity& quantity) const {
@@ -127,6 +139,26 @@ class GraphCovariance::Implementation {
   }
 
  private:
+  // Pairs of observations, of which each takes part in many, are no residuals of a plane.
+  static bool HasPlanes(const SolveOptions& options) {
+    const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
+    return type.plane_blocks || !type.linearized_as.empty();
+  }
+
+  std::unique_ptr<PoseSystem> AllSystem(PoseInformation information) const {
+    for (const auto& factor : linear_.pose_factors) AddPoseFactorInformation(factor, &information);
+    return std::make_unique<PoseSystem>(information, GaugeFixed(graph_, true));
+  }
+
+  void SetByResiduals() {
+    ApplyLossCurvature(&linear_);
+    PoseInformation information(graph_.poses.size());
+    AddAllPlaneInformation(linear_, &information);
+    all_ = AllSystem(std::move(information));
+    SetResidualScatter(*all_, graph_.poses.size(), &linear_);
+    all_->SetScatter(ScoreScatter(linear_, graph_.poses.size()));
+  }
+
   // The largest of the motion's sigmas over the nodes that share it: over so many of them at most.
   void SetSigma(OpenMotion* motion) const {
     constexpr std::size_t kMost = 64;
@@ -184,7 +216,7 @@ class GraphCovariance::Implementation {
     if (direction[largest] < 0.0) direction = -direction;
     const VectorXd gradient = Gradient(*all_, quantity) * direction;
     const VectorXd response = all_->Solve(gradient);
-    const double variance = gradient.dot(response);
+    const double variance = all_->CovarianceOf(gradient)(0, 0);
     UnobservedDirection result{direction, kInfinity, ""};
     if (variance > InfiniteVariance(*all_, quantity, rotation)) return result;
     result.sigma = std::sqrt(std::max(variance, 0.0));
@@ -199,6 +231,17 @@ class GraphCovariance::Implementation {
   std::unique_ptr<PoseInformation> plane_information_;
   std::unique_ptr<PoseSystem> planes_, all_;
 };
+
+std::string Name(CovarianceNoise noise) {
+  return noise == CovarianceNoise::kStated ? "stated" : "residuals";
+}
+
+CovarianceNoise ParseCovarianceNoise(const std::string& name) {
+  for (const CovarianceNoise noise : {CovarianceNoise::kStated, CovarianceNoise::kResiduals}) {
+    if (name == Name(noise)) return noise;
+  }
+  throw UsageError("unknown covariance '" + name + "' (residuals, stated)");
+}
 
 GraphCovariance::GraphCovariance(const Graph& graph, const SolveOptions& options,
                                  const CovarianceOptions& covariance_options) {

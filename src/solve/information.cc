@@ -1,32 +1,16 @@
 #include "solve/information.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "planegraph/base/disjoint_sets.h"
+#include "solve/group_system.h"
 
 namespace planegraph {
 namespace {
 
 using Eigen::Matrix3d;
 using Matrix3n = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 7>;
-
-// Pseudo-inverse of a plane's 3x3 block (or that of several), judged after scaling to unit diagonal
-// (radians and metres). A plane that one weak observation alone sees has directions without
-// information.
-template <typename Matrix>
-Matrix PseudoInverse(const Matrix& h) {
-  using Vector = Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1>;
-  const Vector scale =
-      h.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(scale.asDiagonal() * h * scale.asDiagonal());
-  const Vector inverse =
-      solver.eigenvalues().unaryExpr([](double v) { return v > 1e-12 ? 1.0 / v : 0.0; });
-  const Matrix scaled =
-      solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
-  return scale.asDiagonal() * scaled * scale.asDiagonal();
-}
 
 // The part H_lp of a plane's normal equations, node by node.
 struct Coupling {
@@ -43,6 +27,24 @@ void AddCoupling(int node, const Matrix3n& block, std::vector<Coupling>* couplin
   couplings->push_back({node, block});
 }
 
+// J_a^T F J_b of two blocks of a residual.
+Eigen::MatrixXd ScatterOf(const PlaneResidual& residual, std::size_t a, std::size_t b) {
+  const auto& jacobians = residual.linear.jacobians;
+  if (residual.scatter.size() == 0) return jacobians[a].transpose() * jacobians[b];
+  return jacobians[a].transpose() * residual.scatter.asDiagonal() * jacobians[b];
+}
+
+void AddPoseScatter(const PlaneResidual& residual, PoseInformation* scatter) {
+  for (std::size_t a = 0; a < residual.blocks.size(); ++a) {
+    for (std::size_t b = a; b < residual.blocks.size(); ++b) {
+      if (residual.blocks[a].kind == BlockKind::kPlane) continue;
+      if (residual.blocks[b].kind == BlockKind::kPlane) continue;
+      scatter->Add(scatter->NodeOf(residual.blocks[a]), scatter->NodeOf(residual.blocks[b]),
+                   ScatterOf(residual, a, b));
+    }
+  }
+}
+
 void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* information) {
   for (std::size_t a = 0; a < residual.blocks.size(); ++a) {
     for (std::size_t b = a; b < residual.blocks.size(); ++b) {
@@ -55,71 +57,14 @@ void AddPosePart(const PlaneResidual& residual, double weight, PoseInformation* 
   }
 }
 
-// The normal equations of planes that are eliminated together.
-class GroupSystem {
- public:
-  GroupSystem(const std::vector<const PlaneResidual*>& residuals, const PoseInformation& nodes) {
-    for (const PlaneResidual* residual : residuals) Place(*residual, nodes);
-    h_ll_ = Eigen::MatrixXd::Zero(planes_, planes_);
-    h_lp_ = Eigen::MatrixXd::Zero(planes_, rows_);
-    for (const PlaneResidual* residual : residuals) Add(*residual, nodes);
-  }
-
-  // First row and dimension of each node in the reduction.
-  const std::map<int, std::pair<int, int>>& nodes() const { return nodes_; }
-  Eigen::MatrixXd Reduction() const { return -h_lp_.transpose() * PseudoInverse(h_ll_) * h_lp_; }
-  PlaneElimination Eliminate(int plane) const;
-
- private:
-  void Place(const PlaneResidual& residual, const PoseInformation& nodes) {
-    for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
-      const BlockRef& block = residual.blocks[k];
-      const int size = static_cast<int>(residual.linear.jacobians[k].cols());
-      if (block.kind == BlockKind::kPlane) {
-        if (place_.try_emplace(block.index, planes_).second) planes_ += size;
-      } else if (nodes_.try_emplace(nodes.NodeOf(block), rows_, size).second) {
-        rows_ += size;
-      }
+void AddReduction(const GroupSystem& system, const Eigen::MatrixXd& reduction,
+                  PoseInformation* information) {
+  for (const auto& [a, at] : system.nodes()) {
+    for (const auto& [b, to] : system.nodes()) {
+      if (b < a) continue;
+      information->Add(a, b, reduction.block(at.first, to.first, at.second, to.second));
     }
   }
-
-  void Add(const PlaneResidual& residual, const PoseInformation& nodes) {
-    const auto& jacobians = residual.linear.jacobians;
-    for (std::size_t l = 0; l < residual.blocks.size(); ++l) {
-      if (residual.blocks[l].kind != BlockKind::kPlane) continue;
-      const int row = place_.at(residual.blocks[l].index);
-      for (std::size_t k = 0; k < residual.blocks.size(); ++k) {
-        const BlockRef& block = residual.blocks[k];
-        const bool is_plane = block.kind == BlockKind::kPlane;
-        const Eigen::MatrixXd product = jacobians[l].transpose() * jacobians[k];
-        const int column = is_plane ? place_.at(block.index) : nodes_.at(nodes.NodeOf(block)).first;
-        (is_plane ? h_ll_ : h_lp_).block(row, column, product.rows(), product.cols()) += product;
-      }
-    }
-  }
-
-  std::map<int, int> place_;  // first row of each plane
-  std::map<int, std::pair<int, int>> nodes_;
-  int planes_ = 0, rows_ = 0;
-  Eigen::MatrixXd h_ll_, h_lp_;
-};
-
-PlaneElimination GroupSystem::Eliminate(int plane) const {
-  PlaneElimination elimination;
-  const auto place = place_.find(plane);
-  if (place == place_.end()) return elimination;
-  const Eigen::MatrixXd rows = PseudoInverse(h_ll_).middleRows<3>(place->second);
-  elimination.covariance = rows.middleCols<3>(place->second);
-  // Where nothing is missing, the pseudo-inverse is the inverse.
-  const Eigen::MatrixXd unit = rows * h_ll_;
-  Eigen::MatrixXd missing = -unit;
-  missing.middleCols<3>(place->second) += Matrix3d::Identity();
-  elimination.determined = missing.cwiseAbs().maxCoeff() < 1e-3;
-  const Eigen::MatrixXd by_nodes = -rows * h_lp_;
-  for (const auto& [node, at] : nodes_) {
-    elimination.by_nodes.emplace_back(node, by_nodes.middleCols(at.first, at.second));
-  }
-  return elimination;
 }
 
 }  // namespace
@@ -168,13 +113,14 @@ void AddPlaneGroupInformation(const std::vector<const PlaneResidual*>& residuals
                               PoseInformation* information) {
   for (const PlaneResidual* residual : residuals) AddPosePart(*residual, 1.0, information);
   const GroupSystem system(residuals, *information);
-  const Eigen::MatrixXd reduction = system.Reduction();
-  for (const auto& [a, at] : system.nodes()) {
-    for (const auto& [b, to] : system.nodes()) {
-      if (b < a) continue;
-      information->Add(a, b, reduction.block(at.first, to.first, at.second, to.second));
-    }
-  }
+  AddReduction(system, system.Reduction(), information);
+}
+
+void AddPlaneGroupScatter(const std::vector<const PlaneResidual*>& residuals,
+                          PoseInformation* scatter) {
+  for (const PlaneResidual* residual : residuals) AddPoseScatter(*residual, scatter);
+  const GroupSystem system(residuals, *scatter);
+  AddReduction(system, system.ScatterReduction(), scatter);
 }
 
 PlaneGroups::PlaneGroups(const LinearizedGraph& linear)
@@ -247,11 +193,11 @@ LinearizedGraph LinearizeGraph(const Graph& graph, const SolveOptions& options) 
   for (const Residual& residual : assembly.residuals()) {
     assembly.Linearize(residual, &linear);
     if (residual.tag.plane >= 0) {
-      result.planes[residual.tag.plane].push_back({residual.blocks, residual.tag, linear});
+      result.planes[residual.tag.plane].push_back({residual.blocks, residual.tag, linear, {}, {}});
       continue;
     }
     if (residual.tag.plane_factor >= 0) {
-      result.plane_factors.push_back({residual.blocks, residual.tag, linear});
+      result.plane_factors.push_back({residual.blocks, residual.tag, linear, {}, {}});
       continue;
     }
     result.pose_factors.push_back({residual.tag, residual.blocks, linear.jacobians});

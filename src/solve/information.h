@@ -48,6 +48,8 @@ struct PlaneResidual {
   std::vector<BlockRef> blocks;
   ResidualTag tag;
   LinearizedResidual linear;
+  Eigen::VectorXd curvature;  ///< what ApplyLossCurvature took the Jacobians' rows times; empty: 1
+  Eigen::VectorXd scatter;    ///< variance of what stands for each row in the scores; empty: 1
 };
 void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, double weight,
                          PoseInformation* information);
@@ -55,6 +57,11 @@ void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, dou
 /// The same for planes that factors tie to each other: all of them are eliminated together.
 void AddPlaneGroupInformation(const std::vector<const PlaneResidual*>& residuals,
                               PoseInformation* information);
+
+/// The scatter of the same planes' scores: the sum over residuals of X^T F X, with X the Jacobian
+/// by the nodes, the planes eliminated, and F the residual's scatter.
+void AddPlaneGroupScatter(const std::vector<const PlaneResidual*>& residuals,
+                          PoseInformation* scatter);
 
 /// The linearized residuals of each plane of the graph, of what ties planes, and of its pose
 /// factors.
@@ -87,6 +94,8 @@ struct PlaneElimination {
   bool determined = false;
   /// How it moves with each node: 3 x 6, or 3 x 7 of a map.
   std::vector<std::pair<int, Eigen::MatrixXd>> by_nodes;
+  /// Its covariance with the scores of each node; zero where no residual has a scatter of its own.
+  std::vector<std::pair<int, Eigen::MatrixXd>> with_scores;
 };
 /// `residuals`: those of its group.
 PlaneElimination EliminatePlane(const std::vector<const PlaneResidual*>& residuals,

@@ -75,6 +75,14 @@ void PoseSystem::SetScale(const PoseInformation& information) {
 }
 
 void PoseSystem::Factorize(const PoseInformation& information) {
+  cholesky_.compute(Scaled(information));
+  if (cholesky_.info() != Eigen::Success) {
+    throw NoResultError("no covariance: the information of the poses is not positive");
+  }
+}
+
+// The lower half, which is what the factorization reads, with the ridge.
+Eigen::SparseMatrix<double> PoseSystem::Scaled(const PoseInformation& information) const {
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(49 * information.blocks().size() + scale_.size());
   for (const auto& [key, block] : information.blocks()) {
@@ -82,7 +90,6 @@ void PoseSystem::Factorize(const PoseInformation& information) {
     if (row < 0 || column < 0) continue;
     for (int a = 0; a < block.rows(); ++a) {
       for (int b = key.first == key.second ? a : 0; b < block.cols(); ++b) {
-        // The lower half, which is what the factorization reads.
         triplets.emplace_back(std::max(row + a, column + b), std::min(row + a, column + b),
                               scale_[row + a] * block(a, b) * scale_[column + b]);
       }
@@ -91,22 +98,25 @@ void PoseSystem::Factorize(const PoseInformation& information) {
   for (int k = 0; k < scale_.size(); ++k) triplets.emplace_back(k, k, kRidge);
   Eigen::SparseMatrix<double> matrix(scale_.size(), scale_.size());
   matrix.setFromTriplets(triplets.begin(), triplets.end());
-  cholesky_.compute(matrix);
-  if (cholesky_.info() != Eigen::Success) {
-    throw NoResultError("no covariance: the information of the poses is not positive");
+  return matrix;
+}
+
+// The rows of the nodes that are free, in the order of elimination.
+MatrixXd PoseSystem::Reduced(const MatrixXd& all) const {
+  MatrixXd reduced(scale_.size(), all.cols());
+  for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
+    if (place_[node] < 0) continue;
+    reduced.middleRows(place_[node], Dimension(node)) =
+        all.middleRows(first_row_[node], Dimension(node));
   }
+  return reduced;
 }
 
 MatrixXd PoseSystem::Solve(const MatrixXd& rhs) const {
   MatrixXd result = MatrixXd::Zero(rows(), rhs.cols());
   if (scale_.size() == 0) return result;
-  MatrixXd reduced(scale_.size(), rhs.cols());
-  for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
-    if (place_[node] < 0) continue;
-    reduced.middleRows(place_[node], Dimension(node)) =
-        rhs.middleRows(first_row_[node], Dimension(node));
-  }
-  reduced = scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * reduced).eval();
+  const MatrixXd reduced =
+      scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * Reduced(rhs)).eval();
   for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
     if (place_[node] < 0) continue;
     result.middleRows(first_row_[node], Dimension(node)) =
@@ -115,17 +125,47 @@ MatrixXd PoseSystem::Solve(const MatrixXd& rhs) const {
   return result;
 }
 
+MatrixXd PoseSystem::Unscaled(int row, int column, const MatrixXd& block) const {
+  return scale_.segment(place_[row], Dimension(row)).asDiagonal() * block *
+         scale_.segment(place_[column], Dimension(column)).asDiagonal();
+}
+
 MatrixXd PoseSystem::Block(int row, int column) const {
   const int rows = Dimension(row), columns = Dimension(column);
   if (place_[row] < 0 || place_[column] < 0) return MatrixXd::Zero(rows, columns);
   if (inverse_->Has(std::max(rank_[row], rank_[column]), std::min(rank_[row], rank_[column]))) {
-    return scale_.segment(place_[row], rows).asDiagonal() *
-           inverse_->Block(rank_[row], rank_[column]) *
-           scale_.segment(place_[column], columns).asDiagonal();
+    return Unscaled(row, column, inverse_->Block(rank_[row], rank_[column]));
   }
   MatrixXd unit = MatrixXd::Zero(this->rows(), columns);
   unit.middleRows(first_row_[column], columns).setIdentity();
   return Solve(unit).middleRows(first_row_[row], rows);
+}
+
+void PoseSystem::SetScatter(const PoseInformation& scatter) {
+  if (scale_.size() == 0) return;
+  // The ridge comes in, too: as a prior of its own, so that open directions stay what they are.
+  scatter_ = Scaled(scatter);
+  covariance_ = std::make_unique<SelectedSandwich>(cholesky_.matrixL().nestedExpression(), starts_,
+                                                   scatter_, *inverse_);
+}
+
+MatrixXd PoseSystem::Covariance(int row, int column) const {
+  if (!covariance_ || place_[row] < 0 || place_[column] < 0) return Block(row, column);
+  if (inverse_->Has(std::max(rank_[row], rank_[column]), std::min(rank_[row], rank_[column]))) {
+    return Unscaled(row, column, covariance_->Block(rank_[row], rank_[column]));
+  }
+  MatrixXd unit = MatrixXd::Zero(rows(), Dimension(row) + Dimension(column));
+  unit.block(first_row_[row], 0, Dimension(row), Dimension(row)).setIdentity();
+  unit.bottomRightCorner(rows() - first_row_[column], Dimension(column))
+      .topRows(Dimension(column))
+      .setIdentity();
+  return CovarianceOf(unit).topRightCorner(Dimension(row), Dimension(column));
+}
+
+MatrixXd PoseSystem::CovarianceOf(const MatrixXd& gradients) const {
+  if (!covariance_) return gradients.transpose() * Solve(gradients);
+  const MatrixXd response = cholesky_.solve(scale_.asDiagonal() * Reduced(gradients));
+  return response.transpose() * (scatter_.selfadjointView<Eigen::Lower>() * response);
 }
 
 double PoseSystem::InfiniteVariance(int node, bool rotation) const {

@@ -22,9 +22,18 @@ class PoseSystem {
   /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, then 7 per map, zero for
   /// what the gauge holds.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs) const;
-  /// The covariance between two nodes (poses, then maps), zero where the gauge holds one. At no
-  /// cost where they have a plane or a factor in common, or where the elimination has tied them.
+  /// The block of information^-1 of two nodes (poses, then maps), zero where the gauge holds one.
+  /// At no cost where they have a plane or a factor in common, or where the elimination has tied
+  /// them.
   Eigen::MatrixXd Block(int row, int column) const;
+  /// From now on covariances are information^-1 scatter information^-1 (of an M-estimator, Huber
+  /// 1967), for a scatter of the scores with no other blocks than the information. Without it they
+  /// are information^-1.
+  void SetScatter(const PoseInformation& scatter);
+  /// The covariance between two nodes, as cheap as Block.
+  Eigen::MatrixXd Covariance(int row, int column) const;
+  /// The covariance of quantities by their gradients, one a column.
+  Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& gradients) const;
   /// The variance (m^2 for the translation, rad^2 for the rotation) from which a direction of the
   /// node counts as not observed at all.
   double InfiniteVariance(int node, bool rotation) const;
@@ -36,6 +45,9 @@ class PoseSystem {
   void PlaceNodes(const PoseInformation& information, const Gauge& gauge);
   void SetScale(const PoseInformation& information);
   void Factorize(const PoseInformation& information);
+  Eigen::SparseMatrix<double> Scaled(const PoseInformation& information) const;
+  Eigen::MatrixXd Reduced(const Eigen::MatrixXd& all) const;
+  Eigen::MatrixXd Unscaled(int row, int column, const Eigen::MatrixXd& block) const;
 
   std::vector<int> first_row_;  // of each node among all, and their end
   std::vector<int> rank_;       // of a node in the order of elimination, or -1
@@ -45,6 +57,8 @@ class PoseSystem {
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
       cholesky_;
   std::unique_ptr<SelectedInverse> inverse_;
+  Eigen::SparseMatrix<double> scatter_;  // lower half, scaled; empty: the information
+  std::unique_ptr<SelectedSandwich> covariance_;
 };
 
 }  // namespace planegraph

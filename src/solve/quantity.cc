@@ -35,15 +35,14 @@ MatrixXd CovarianceOf(const PoseSystem& system, const Quantity& quantity) {
   VectorXd largest = VectorXd::Zero(rows);
   for (const auto& [a, by_a] : quantity) {
     for (const auto& [b, by_b] : quantity) {
-      const MatrixXd term = by_a * system.Block(a, b) * by_b.transpose();
+      const MatrixXd term = by_a * system.Covariance(a, b) * by_b.transpose();
       covariance += term;
       largest = largest.cwiseMax(term.diagonal().cwiseAbs());
     }
   }
   // What moves together without a hold: by solving for the quantity itself.
   if ((largest.array() > kLost * covariance.diagonal().array()).any()) {
-    const MatrixXd gradient = Gradient(system, quantity);
-    covariance = gradient.transpose() * system.Solve(gradient);
+    covariance = system.CovarianceOf(Gradient(system, quantity));
   }
   return 0.5 * (covariance + covariance.transpose());
 }

@@ -1,6 +1,5 @@
 #include "solve/selected_inverse.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace planegraph {
@@ -8,89 +7,79 @@ namespace planegraph {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+namespace {
+
+// Of a column of L, the inverse of its diagonal block, and of the pivot that it is the root of.
+struct Pivot {
+  MatrixXd root_inverse, inverse;
+};
+
+Pivot PivotOf(const MatrixXd& values) {
+  const Index size = values.cols();
+  Pivot pivot;
+  pivot.root_inverse =
+      values.topRows(size).triangularView<Eigen::Lower>().solve(MatrixXd::Identity(size, size));
+  pivot.inverse = pivot.root_inverse.transpose() * pivot.root_inverse;
+  return pivot;
+}
+
+}  // namespace
+
 SelectedInverse::SelectedInverse(const Eigen::SparseMatrix<double>& lower,
                                  std::vector<int> first_row)
-    : first_row_(std::move(first_row)) {
-  Take(lower);
-  for (int column = static_cast<int>(values_.size()) - 1; column >= 0; --column) Invert(column);
-}
-
-void SelectedInverse::Take(const Eigen::SparseMatrix<double>& lower) {
-  const int blocks = static_cast<int>(first_row_.size()) - 1;
-  std::vector<int> block_of(static_cast<std::size_t>(first_row_.back()));
-  for (int b = 0; b < blocks; ++b) {
-    std::fill(block_of.begin() + first_row_[b], block_of.begin() + first_row_[b + 1], b);
-  }
-  rows_.resize(blocks), starts_.resize(blocks), values_.resize(blocks);
-  for (int b = 0; b < blocks; ++b) {
-    SetRows(lower, block_of, b);
-    for (int j = first_row_[b]; j < first_row_[b + 1]; ++j) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(lower, j); it; ++it) {
-        const int row = block_of[it.row()];
-        const Index at = Find(row, b) + it.row() - first_row_[row];
-        values_[b](at, j - first_row_[b]) = it.value();
-      }
-    }
-  }
-}
-
-void SelectedInverse::SetRows(const Eigen::SparseMatrix<double>& lower,
-                              const std::vector<int>& block_of, int column) {
-  std::vector<int>& rows = rows_[column];
-  rows.push_back(column);
-  for (int j = first_row_[column]; j < first_row_[column + 1]; ++j) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(lower, j); it; ++it) {
-      if (rows.back() != block_of[it.row()]) rows.push_back(block_of[it.row()]);
-    }
-  }
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  starts_[column].push_back(0);
-  for (const int row : rows) starts_[column].push_back(starts_[column].back() + Size(row));
-  values_[column] = MatrixXd::Zero(starts_[column].back(), Size(column));
-}
-
-int SelectedInverse::Find(int row, int column) const {
-  const std::vector<int>& rows = rows_[column];
-  const auto found = std::lower_bound(rows.begin(), rows.end(), row);
-  if (found == rows.end() || *found != row) return -1;
-  return starts_[column][static_cast<std::size_t>(found - rows.begin())];
-}
-
-MatrixXd SelectedInverse::Block(int row, int column) const {
-  if (row < column) return Block(column, row).transpose();
-  return values_[column].middleRows(Find(row, column), Size(row));
-}
-
-// The inverse over the rows below a column's diagonal block. All of it is there: eliminating the
-// column has tied these rows to each other.
-MatrixXd SelectedInverse::Below(int column) const {
-  const std::vector<int>&rows = rows_[column], &starts = starts_[column];
-  const int top = starts[1];
-  MatrixXd below(starts.back() - top, starts.back() - top);
-  for (std::size_t b = 1; b < rows.size(); ++b) {
-    const MatrixXd& values = values_[rows[b]];
-    const std::vector<int>& own = rows_[rows[b]];
-    std::size_t at = 0;
-    for (std::size_t a = b; a < rows.size(); ++a) {
-      while (own[at] != rows[a]) ++at;
-      const auto block = values.middleRows(starts_[rows[b]][at], Size(rows[a]));
-      below.block(starts[a] - top, starts[b] - top, block.rows(), block.cols()) = block;
-      below.block(starts[b] - top, starts[a] - top, block.cols(), block.rows()) = block.transpose();
-    }
-  }
-  return below;
+    : columns_(lower, std::move(first_row)) {
+  for (int column = columns_.count() - 1; column >= 0; --column) Invert(column);
 }
 
 void SelectedInverse::Invert(int column) {
-  MatrixXd& values = values_[column];
-  const Index size = Size(column), rest = values.rows() - size;
-  const MatrixXd inverse =
-      values.topRows(size).triangularView<Eigen::Lower>().solve(MatrixXd::Identity(size, size));
-  const MatrixXd reach = values.bottomRows(rest) * inverse;
-  values.bottomRows(rest).noalias() = -Below(column) * reach;
-  values.topRows(size) =
-      inverse.transpose() * inverse - reach.transpose() * values.bottomRows(rest);
+  MatrixXd& values = columns_.Values(column);
+  const Index size = values.cols(), rest = values.rows() - size;
+  const Pivot pivot = PivotOf(values);
+  const MatrixXd reach = values.bottomRows(rest) * pivot.root_inverse;
+  values.bottomRows(rest).noalias() = -columns_.Below(column) * reach;
+  values.topRows(size) = pivot.inverse - reach.transpose() * values.bottomRows(rest);
+}
+
+SelectedSandwich::SelectedSandwich(const Eigen::SparseMatrix<double>& lower,
+                                   std::vector<int> first_row,
+                                   const Eigen::SparseMatrix<double>& scatter,
+                                   const SelectedInverse& inverse)
+    : columns_(lower, std::move(first_row)) {
+  const BlockColumns factor = columns_;
+  columns_.Set(scatter);
+  for (int column = 0; column < columns_.count(); ++column) Eliminate(factor, column);
+  for (int column = columns_.count() - 1; column >= 0; --column) {
+    Invert(factor, inverse.columns(), column);
+  }
+}
+
+// A column with pivot d and b below it leaves C - b d^-1 b^T; with K = b d^-1 the derivative of
+// that is C' - b' K^T - K b'^T + K d' K^T.
+void SelectedSandwich::Eliminate(const BlockColumns& lower, int column) {
+  const MatrixXd& factor = lower.Values(column);
+  const Index size = factor.cols(), rest = factor.rows() - size;
+  if (rest == 0) return;
+  const MatrixXd reach = factor.bottomRows(rest) * PivotOf(factor).root_inverse;
+  const MatrixXd& values = columns_.Values(column);
+  const MatrixXd pivot = values.topRows(size).selfadjointView<Eigen::Lower>();
+  const MatrixXd half = values.bottomRows(rest) - 0.5 * reach * pivot;
+  const MatrixXd product = half * reach.transpose();
+  columns_.AddBelow(column, -product - product.transpose());
+}
+
+// The inverse Z has -Z_below K below the diagonal and d^-1 - K^T (that) on it.
+void SelectedSandwich::Invert(const BlockColumns& lower, const BlockColumns& inverse, int column) {
+  const MatrixXd& factor = lower.Values(column);
+  const Index size = factor.cols(), rest = factor.rows() - size;
+  const Pivot pivot = PivotOf(factor);
+  const MatrixXd reach = factor.bottomRows(rest) * pivot.root_inverse;
+  MatrixXd& values = columns_.Values(column);
+  const MatrixXd changed = values.topRows(size).selfadjointView<Eigen::Lower>();
+  const MatrixXd changed_reach = (values.bottomRows(rest) - reach * changed) * pivot.inverse;
+  values.bottomRows(rest) = -columns_.Below(column) * reach - inverse.Below(column) * changed_reach;
+  values.topRows(size) = -pivot.inverse * changed * pivot.inverse -
+                         changed_reach.transpose() * inverse.Values(column).bottomRows(rest) -
+                         reach.transpose() * values.bottomRows(rest);
 }
 
 }  // namespace planegraph

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/SparseCore>
-#include <vector>
+#include "solve/block_columns.h"
 
 namespace planegraph {
 
@@ -16,25 +14,33 @@ class SelectedInverse {
   SelectedInverse(const Eigen::SparseMatrix<double>& lower, std::vector<int> first_row);
 
   /// Whether the block is there; rows and columns are block indices.
-  bool Has(int row, int column) const { return Find(row, column) >= 0; }
+  bool Has(int row, int column) const { return columns_.Find(row, column) >= 0; }
   /// A block that is there.
-  Eigen::MatrixXd Block(int row, int column) const;
+  Eigen::MatrixXd Block(int row, int column) const { return columns_.Block(row, column); }
+  const BlockColumns& columns() const { return columns_; }
 
  private:
-  int Size(int block) const { return first_row_[block + 1] - first_row_[block]; }
-  // Where block `row` of a column begins, in values_ and in heights; -1: nowhere.
-  int Find(int row, int column) const;
-  void Take(const Eigen::SparseMatrix<double>& lower);
-  void SetRows(const Eigen::SparseMatrix<double>& lower, const std::vector<int>& block_of,
-               int column);
   void Invert(int column);
-  Eigen::MatrixXd Below(int column) const;
 
-  std::vector<int> first_row_;
-  // Of each block column its block rows (the diagonal one first), where they begin, and the values
-  // of one below the other: first those of L, then those of the inverse.
-  std::vector<std::vector<int>> rows_, starts_;
-  std::vector<Eigen::MatrixXd> values_;
+  BlockColumns columns_;  // first those of L, then those of the inverse
+};
+
+/// The blocks of A^-1 B A^-1 at the same places, for a B that has no other blocks than A. It is the
+/// derivative of -(A + e B)^-1 by e: the elimination and Takahashi's equations, differentiated.
+class SelectedSandwich {
+ public:
+  /// `lower`: L; `scatter`: the lower half of B; `inverse`: that of the same L.
+  SelectedSandwich(const Eigen::SparseMatrix<double>& lower, std::vector<int> first_row,
+                   const Eigen::SparseMatrix<double>& scatter, const SelectedInverse& inverse);
+
+  /// A block that is there (SelectedInverse::Has).
+  Eigen::MatrixXd Block(int row, int column) const { return -columns_.Block(row, column); }
+
+ private:
+  void Eliminate(const BlockColumns& lower, int column);
+  void Invert(const BlockColumns& lower, const BlockColumns& inverse, int column);
+
+  BlockColumns columns_;  // first B, eliminated on the spot, then the inverse's derivative
 };
 
 }  // namespace planegraph

@@ -61,6 +61,35 @@ TEST(SelectedInverse, HasTheBlocksOfTheDenseInverse) {
   }
 }
 
+TEST(SelectedSandwich, HasTheBlocksOfTheDenseProduct) {
+  const std::vector<int> first_row = {0, 6, 12, 19, 25, 26, 32, 38, 44};
+  for (const double share : {0.0, 0.2, 0.5, 1.0}) {
+    const Eigen::MatrixXd matrix = RandomBlocks(first_row, share, 5);
+    // Other numbers at the same places.
+    const Eigen::MatrixXd scatter =
+        matrix.cwiseProduct(RandomBlocks(first_row, 1.0, 9)) / first_row.back();
+    const Eigen::MatrixXd expected = matrix.inverse() * scatter * matrix.inverse();
+    const Eigen::SparseMatrix<double> sparse = matrix.sparseView();
+    const Eigen::SparseMatrix<double> lower =
+        Eigen::MatrixXd(scatter.triangularView<Eigen::Lower>()).sparseView();
+    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+        cholesky(sparse);
+    ASSERT_EQ(cholesky.info(), Eigen::Success);
+    const SelectedInverse inverse(cholesky.matrixL().nestedExpression(), first_row);
+    const SelectedSandwich selected(cholesky.matrixL().nestedExpression(), first_row, lower,
+                                    inverse);
+    for (int a = 0; a < 8; ++a) {
+      for (int b = 0; b < 8; ++b) {
+        if (!inverse.Has(std::max(a, b), std::min(a, b))) continue;
+        const Eigen::MatrixXd block =
+            expected.block(first_row[a], first_row[b], first_row[a + 1] - first_row[a],
+                           first_row[b + 1] - first_row[b]);
+        EXPECT_LT((selected.Block(a, b) - block).norm(), 1e-12 * expected.norm());
+      }
+    }
+  }
+}
+
 // A long way on which each pose sees planes of its neighbours: blocks come from the elimination or
 // from a solve, and are the same.
 TEST(SelectedInverse, ItsBlocksAreThoseOfASolve) {

@@ -13,12 +13,11 @@
 #include "planegraph/pipeline/site.h"
 #include "planegraph/pipeline/switched_off.h"
 #include "planegraph/solve/association.h"
+#include "planegraph/solve/covariance.h"
 #include "planegraph/solve/marginal_graph.h"
 #include "planegraph/solve/solver.h"
 
 namespace planegraph {
-
-class GraphCovariance;
 
 /// Reports a stage and how much of it is done, in [0, 1].
 using Progress = std::function<void(const std::string& stage, double done)>;
@@ -28,7 +27,8 @@ struct MapOptions {
   std::string plane_factor = "moments";
   FactorOptions plane_factor_options;
   LossSpec loss{"cauchy", 2.4};  ///< of the planes; measurements of poses and maps: cauchy:2.4
-  std::map<std::string, LossSpec> factor_losses;  ///< others, by the factor's name
+  std::map<std::string, LossSpec> factor_losses;             ///< others, by the factor's name
+  CovarianceNoise covariance = CovarianceNoise::kResiduals;  ///< of what is reported
   int threads = 0;
   MapMemory map_memory;
   SegmentationOptions segmentation;

@@ -11,7 +11,18 @@
 
 namespace planegraph {
 
+/// What says how large the noise of the planes' observations is.
+enum class CovarianceNoise {
+  kStated,    ///< their weights
+  kResiduals  ///< their residuals over their redundancy, with the robust loss's own covariance
+};
+
+std::string Name(CovarianceNoise noise);
+/// By its name, `stated` or `residuals`; throws UsageError.
+CovarianceNoise ParseCovarianceNoise(const std::string& name);
+
 struct CovarianceOptions {
+  CovarianceNoise noise = CovarianceNoise::kStated;
   /// A direction of a pose counts as unobserved where the planes alone leave it a sigma above this.
   double translation_threshold = 0.1;  ///< metres
   double rotation_threshold = 0.0175;  ///< radians (1 deg)
@@ -22,7 +33,9 @@ struct CovarianceOptions {
 /// in Solve), by Schur's complement of the planes and a sparse Cholesky factorization. All 6x6
 /// matrices are in the project's convention: order x y z rx ry rz, decoupled left perturbation,
 /// target's (world's) axes, metres and radians. Robust losses enter by their weights at the
-/// solution.
+/// solution; with noise by the residuals, by their second derivatives, too: the covariance of an
+/// M-estimator (Huber 1967), A^-1 B A^-1 (how: solve/residual_scatter.h). What the planes leave
+/// open (Unobserved, OpenMotions: which directions) goes by the stated noise always.
 class GraphCovariance {
  public:
   explicit GraphCovariance(const Graph& graph, const SolveOptions& options = {},
