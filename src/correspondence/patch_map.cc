@@ -33,12 +33,15 @@ inline std::uint64_t KeyOf(double x, double y, double z) {
 
 double ReachOf(const Surfel& s) { return kReach * s.size + kSlack; }
 
-std::uint64_t Mix(std::uint64_t key) {
+// Each bit of the result depends on all of the key's.
+inline std::uint64_t Mix(std::uint64_t key) {
   key *= 0x9e3779b97f4a7c15ull;
-  return key ^ (key >> 32);
+  key ^= key >> 32;
+  key *= 0xd6e8feb86659fd93ull;
+  return key ^ key >> 32;
 }
 
-std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
+inline std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
 
 // The cells that a surfel's square overlaps, as keys.
 void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
@@ -149,13 +152,13 @@ inline void PatchMap::BestInCell(std::uint64_t hash, Query* query) const {
   for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
     if (items_[k].tag != Tag(hash)) continue;
     const Face& face = faces_[items_[k].surfel];
-    if (face.normal.dot(query->normal) < query->least_cosine) continue;
     const Eigen::Vector3d d = query->point - face.mean;
     const double height = std::abs(face.normal.dot(d));
-    // The cost is no less than the height.
-    if (height > query->gate || height >= query->best) continue;
     const double along = d.squaredNorm() - height * height;
-    if (along > face.reach * face.reach) continue;
+    // One jump that is hard to foresee is cheaper than three.
+    const bool turned = face.normal.dot(query->normal) < query->least_cosine;
+    const bool off = height > query->gate, beside = along > face.reach * face.reach;
+    if (turned | off | beside) continue;
     // Height first; among surfels of one surface the one that lies nearest in relation to its size.
     const double cost = height + 0.05 * std::sqrt(along) / face.reach;
     if (cost < query->best) query->best = cost, query->found = static_cast<int>(items_[k].surfel);
