@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "correspondence/tile_counters.h"
 
@@ -66,6 +67,13 @@ struct DirectionGrid::Reader {
   int y, z;         // shift
 };
 
+// What a voter has for a stack of the table's tiles: a tile and its neighbour for each z.
+struct DirectionGrid::Stack {
+  const std::uint16_t* layer;
+  std::ptrdiff_t left, right;  // in it, at the table's lowest z
+  int bit, first, last;        // from this z on, before that
+};
+
 int DirectionGrid::ClassOf(const Eigen::Vector3d& normal) {
   int best = 0;
   double cosine = -INFINITY;
@@ -128,21 +136,34 @@ std::vector<DirectionGrid::Reader> DirectionGrid::ReadersOf(const std::vector<Vo
   return readers;
 }
 
-void DirectionGrid::CountTile(const std::vector<Reader>& readers, int column, int y, int z,
-                              Table* table) const {
-  TileCounters counters;
+std::vector<DirectionGrid::Stack> DirectionGrid::StacksOf(const std::vector<Reader>& readers,
+                                                          int column, int y) const {
+  std::vector<Stack> stacks;
   for (const Reader& r : readers) {
-    const int left = r.column + column, first = r.y + y, at_z = r.z + z;
+    const int left = r.column + column, first = r.y + y;
     if (left < -1 || left >= columns_ || first <= -16 || first >= size_.y()) continue;
-    if (at_z < 0 || at_z >= size_.z()) continue;
-    counters.Add(r.layer + Row(left, first, at_z), r.layer + Row(left + 1, first, at_z), r.bit);
+    stacks.push_back(
+        {r.layer, Row(left, first, r.z), Row(left + 1, first, r.z), r.bit, -r.z, size_.z() - r.z});
   }
-  counters.Finish();
-  std::array<std::uint8_t, 16> row;
+  return stacks;
+}
+
+void DirectionGrid::CountTiles(const std::vector<Stack>& stacks, int column, int y,
+                               Table* table) const {
+  const std::ptrdiff_t step = Row(0, 0, 1) - Row(0, 0, 0);
   const int width = std::min(16, table->size.x() - 16 * column);
-  for (int k = 0; k < std::min(16, table->size.y() - y); ++k) {
-    counters.Write(k, &row);
-    std::copy_n(row.begin(), width, &table->counts[table->Row(y + k, z) + 16 * column]);
+  std::array<std::uint8_t, 16> row;
+  for (int z = 0; z < table->size.z(); ++z) {
+    TileCounters counters;
+    for (const Stack& s : stacks) {
+      if (z < s.first || z >= s.last) continue;
+      counters.Add(s.layer + s.left + z * step, s.layer + s.right + z * step, s.bit);
+    }
+    counters.Finish();
+    for (int k = 0; k < std::min(16, table->size.y() - y); ++k) {
+      counters.Write(k, &row);
+      std::memcpy(&table->counts[table->Row(y + k, z) + 16 * column], row.data(), width);
+    }
   }
 }
 
@@ -154,9 +175,9 @@ DirectionGrid::Table DirectionGrid::CountAll(const std::vector<Voter>& voters,
   table.size = (table.size - table.first).cwiseMax(0).array() + 1;
   table.counts.resize(table.Row(0, table.size.z()));
   const std::vector<Reader> readers = ReadersOf(voters, table);
-  for (int z = 0; z < table.size.z(); ++z) {
-    for (int column = 0; 16 * column < table.size.x(); ++column) {
-      for (int y = 0; y < table.size.y(); y += 16) CountTile(readers, column, y, z, &table);
+  for (int column = 0; 16 * column < table.size.x(); ++column) {
+    for (int y = 0; y < table.size.y(); y += 16) {
+      CountTiles(StacksOf(readers, column, y), column, y, &table);
     }
   }
   return table;

@@ -45,12 +45,14 @@ class DirectionGrid {
  private:
   struct Table;
   struct Reader;
+  struct Stack;
 
   void Mark(const Surfel& surfel);
   void MarkPoint(const Eigen::Vector3d& point, const std::vector<int>& classes);
   Table CountAll(const std::vector<Voter>& voters, const Window& window) const;
   std::vector<Reader> ReadersOf(const std::vector<Voter>& voters, const Table& table) const;
-  void CountTile(const std::vector<Reader>& readers, int column, int y, int z, Table* table) const;
+  std::vector<Stack> StacksOf(const std::vector<Reader>& readers, int column, int y) const;
+  void CountTiles(const std::vector<Stack>& stacks, int column, int y, Table* table) const;
   // Rows of a column that is sixteen voxels wide follow each other, first by y. Sixteen empty ones
   // lie before and after them, and an empty column on either side.
   std::ptrdiff_t Row(int column, int y, int z) const {

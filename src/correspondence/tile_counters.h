@@ -93,7 +93,7 @@ class TileCounters {
   }
 
   std::array<Words, 8> bits_{};  // of the counts, lowest first
-  std::array<Shifted, kAtOnce> waiting_{};
+  std::array<Shifted, kAtOnce> waiting_;
   int count_ = 0;
 };
 
