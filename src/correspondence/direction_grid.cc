@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "correspondence/tile_counters.h"
+
 namespace planegraph {
 namespace {
 
@@ -32,8 +34,24 @@ std::vector<int> ClassesNear(const Eigen::Vector3d& normal) {
   return classes;
 }
 
+// The count from which on at most `most` cells lie.
+int Threshold(const std::vector<std::uint8_t>& counts, std::size_t most) {
+  // Neighbours are often equal: each of four has a histogram of its own.
+  std::array<std::array<std::uint32_t, 4>, 256> histogram{};
+  const std::size_t size = counts.size();
+  for (std::size_t k = 0; k < size; ++k) ++histogram[counts[k]][k % 4];
+  std::size_t above = 0;
+  for (int c = 255; c > 0; --c) {
+    for (const std::uint32_t n : histogram[c]) above += n;
+    if (above > most) return c + 1;
+  }
+  return 1;
+}
+
+}  // namespace
+
 // Where translations are tried: integer steps of the voxel from `first`.
-struct Table {
+struct DirectionGrid::Table {
   Eigen::Vector3i first, size;
   std::vector<std::uint8_t> counts;
 
@@ -42,61 +60,26 @@ struct Table {
   }
 };
 
-// Eight bits as eight bytes, the lowest first.
-const std::array<std::uint64_t, 256>& SpreadBits() {
-  static const auto spread = [] {
-    std::array<std::uint64_t, 256> all{};
-    for (std::uint64_t bits = 0; bits < 256; ++bits) {
-      for (int k = 0; k < 8; ++k) all[bits] |= (bits >> k & 1) << 8 * k;
-    }
-    return all;
-  }();
-  return spread;
-}
+// A voter's layer, shifted: cell t of the table stands for the map's voxel t + shift.
+struct DirectionGrid::Reader {
+  const std::uint16_t* layer;
+  int column, bit;  // where the table's rows begin
+  int y, z;         // shift
+};
 
-// Adds each of the eight lowest bits to its count: no sum is carried into the next, since no more
-// than 255 voters count.
-void AddByte(std::uint64_t bits, std::uint8_t* to) {
-  std::uint64_t counts;
-  std::memcpy(&counts, to, 8);
-  counts += SpreadBits()[bits & 255];
-  std::memcpy(to, &counts, 8);
-}
-
-// Adds the map's voxels from `first` on to a row of the table, the inner loop of the vote: most of
-// them are empty, and left by the word.
-void AddRow(const std::uint64_t* row, int first, int count, std::uint8_t* to) {
-  const int shift = first % 64;
-  row += first / 64;
-  for (int done = 0; done < count; done += 64, ++row) {
-    std::uint64_t bits = row[0] >> shift;
-    if (shift > 0) bits |= row[1] << (64 - shift);
-    const int left = count - done;
-    if (left < 64) bits &= (std::uint64_t{1} << left) - 1;
-    for (std::uint8_t* at = to + done; bits != 0; bits >>= 8, at += 8) {
-      if ((bits & 255) != 0) AddByte(bits, at);
-    }
-  }
-}
-
-// The count from which on at most `most` cells lie.
-int Threshold(const std::vector<std::uint8_t>& counts, std::size_t most) {
-  std::array<std::size_t, 256> histogram{};
-  for (const std::uint8_t c : counts) ++histogram[c];
-  std::size_t above = 0;
-  for (int c = 255; c > 0; --c) {
-    above += histogram[c];
-    if (above > most) return c + 1;
-  }
-  return 1;
-}
-
-}  // namespace
+// What a voter has for a stack of the table's tiles: a tile and its neighbour for each z.
+struct DirectionGrid::Stack {
+  const std::uint16_t* layer;
+  std::ptrdiff_t left, right;  // in it, at the table's lowest z
+  int bit, first, last;        // from this z on, before that
+};
 
 int DirectionGrid::ClassOf(const Eigen::Vector3d& normal) {
   int best = 0;
-  for (int c = 1; c < kClasses; ++c) {
-    if (ClassDirections()[c].dot(normal) > ClassDirections()[best].dot(normal)) best = c;
+  double cosine = -INFINITY;
+  for (int c = 0; c < kClasses; ++c) {
+    const double other = ClassDirections()[c].dot(normal);
+    if (other > cosine) cosine = other, best = c;
   }
   return best;
 }
@@ -112,6 +95,7 @@ DirectionGrid::DirectionGrid(const std::vector<Surfel>& surfels, double voxel) :
   voxel_ = std::max(voxel, std::cbrt(extent.prod() / kMostVoxels));
   low_ = low.array() - voxel_;
   size_ = (extent / voxel_).array().ceil().cast<int>() + 1;
+  columns_ = (size_.x() + 15) / 16;
   for (const Surfel& s : surfels) Mark(s);
 }
 
@@ -133,50 +117,86 @@ void DirectionGrid::MarkPoint(const Eigen::Vector3d& point, const std::vector<in
   const Eigen::Vector3i at = ((point - low_) / voxel_).array().floor().cast<int>();
   if (at.minCoeff() < 0 || (at - size_).maxCoeff() >= 0) return;
   for (const int c : classes) {
-    if (layers_[c].empty()) {
-      layers_[c].assign(Row(0, size_.z()), 0);
-    }
-    layers_[c][Row(at.y(), at.z()) + static_cast<std::size_t>(at.x()) / 64] |= std::uint64_t{1}
-                                                                               << at.x() % 64;
+    if (layers_[c].empty()) layers_[c].assign(Row(columns_ + 1, 0, 0), 0);
+    layers_[c][Row(at.x() / 16, at.y(), at.z())] |= static_cast<std::uint16_t>(1u << at.x() % 16);
   }
+}
+
+std::vector<DirectionGrid::Reader> DirectionGrid::ReadersOf(const std::vector<Voter>& voters,
+                                                            const Table& table) const {
+  std::vector<Reader> readers;
+  for (std::size_t k = 0; k < std::min<std::size_t>(voters.size(), TileCounters::kMost); ++k) {
+    const auto& layer = layers_[voters[k].direction];
+    if (layer.empty()) continue;
+    const Eigen::Vector3i shift =
+        (voters[k].place / voxel_).array().round().cast<int>() + table.first.array();
+    const int bit = shift.x() & 15;
+    readers.push_back({layer.data(), (shift.x() - bit) / 16, bit, shift.y(), shift.z()});
+  }
+  return readers;
+}
+
+std::vector<DirectionGrid::Stack> DirectionGrid::StacksOf(const std::vector<Reader>& readers,
+                                                          int column, int y) const {
+  std::vector<Stack> stacks;
+  for (const Reader& r : readers) {
+    const int left = r.column + column, first = r.y + y;
+    if (left < -1 || left >= columns_ || first <= -16 || first >= size_.y()) continue;
+    stacks.push_back(
+        {r.layer, Row(left, first, r.z), Row(left + 1, first, r.z), r.bit, -r.z, size_.z() - r.z});
+  }
+  return stacks;
+}
+
+void DirectionGrid::CountTiles(const std::vector<Stack>& stacks, int column, int y,
+                               Table* table) const {
+  const std::ptrdiff_t step = Row(0, 0, 1) - Row(0, 0, 0);
+  const int width = std::min(16, table->size.x() - 16 * column);
+  std::array<std::uint8_t, 16> row;
+  for (int z = 0; z < table->size.z(); ++z) {
+    TileCounters counters;
+    for (const Stack& s : stacks) {
+      if (z < s.first || z >= s.last) continue;
+      counters.Add(s.layer + s.left + z * step, s.layer + s.right + z * step, s.bit);
+    }
+    counters.Finish();
+    for (int k = 0; k < std::min(16, table->size.y() - y); ++k) {
+      counters.Write(k, &row);
+      std::memcpy(&table->counts[table->Row(y + k, z) + 16 * column], row.data(), width);
+    }
+  }
+}
+
+DirectionGrid::Table DirectionGrid::CountAll(const std::vector<Voter>& voters,
+                                             const Window& window) const {
+  Table table;
+  table.first = ((window.low - low_) / voxel_).array().floor().cast<int>();
+  table.size = ((window.high - low_) / voxel_).array().floor().cast<int>();
+  table.size = (table.size - table.first).cwiseMax(0).array() + 1;
+  table.counts.resize(table.Row(0, table.size.z()));
+  const std::vector<Reader> readers = ReadersOf(voters, table);
+  for (int column = 0; 16 * column < table.size.x(); ++column) {
+    for (int y = 0; y < table.size.y(); y += 16) {
+      CountTiles(StacksOf(readers, column, y), column, y, &table);
+    }
+  }
+  return table;
 }
 
 std::vector<DirectionGrid::Vote> DirectionGrid::Count(const std::vector<Voter>& voters,
                                                       const Window& window,
                                                       std::size_t most) const {
-  constexpr std::size_t kMostVoters = 255;
-  Table table;
-  table.first = ((window.low - low_) / voxel_).array().floor().cast<int>();
-  table.size = ((window.high - low_) / voxel_).array().floor().cast<int>();
-  table.size = (table.size - table.first).cwiseMax(0).array() + 1;
-  table.counts.assign(table.Row(0, table.size.z()) + 8, 0);  // eight are added at a time
-  for (std::size_t k = 0; k < std::min(voters.size(), kMostVoters); ++k) {
-    const auto& layer = layers_[voters[k].direction];
-    if (layer.empty()) continue;
-    const Eigen::Vector3i shift =
-        (voters[k].place / voxel_).array().round().cast<int>() + table.first.array();
-    // Cell t of the table stands for the map's voxel t + shift.
-    const Eigen::Vector3i begin = (-shift).cwiseMax(0);
-    const Eigen::Vector3i end = table.size.cwiseMin(size_ - shift);
-    if (end.x() <= begin.x()) continue;
-    for (int z = begin.z(); z < end.z(); ++z) {
-      for (int y = begin.y(); y < end.y(); ++y) {
-        AddRow(&layer[Row(y + shift.y(), z + shift.z())], begin.x() + shift.x(),
-               end.x() - begin.x(), &table.counts[table.Row(y, z) + begin.x()]);
-      }
-    }
-  }
+  const Table table = CountAll(voters, window);
   const int threshold = Threshold(table.counts, 16 * most);
   std::vector<Vote> votes;
-  for (int z = 0; z < table.size.z(); ++z) {
-    for (int y = 0; y < table.size.y(); ++y) {
-      for (int x = 0; x < table.size.x(); ++x) {
-        const int count = table.counts[table.Row(y, z) + x];
-        if (count < threshold) continue;
-        const Eigen::Vector3d cell = (Eigen::Vector3i(x, y, z) + table.first).cast<double>();
-        votes.push_back({low_ + voxel_ * (cell.array() + 0.5).matrix(), count});
-      }
-    }
+  const std::uint8_t* counts = table.counts.data();
+  for (std::size_t k = 0, size = table.counts.size(); k < size; ++k) {
+    if (counts[k] < threshold) continue;
+    const auto row = static_cast<int>(k / table.size.x());
+    const Eigen::Vector3i at(static_cast<int>(k % table.size.x()), row % table.size.y(),
+                             row / table.size.y());
+    const Eigen::Vector3d cell = (at + table.first).cast<double>();
+    votes.push_back({low_ + voxel_ * (cell.array() + 0.5).matrix(), counts[k]});
   }
   std::stable_sort(votes.begin(), votes.end(),
                    [](const Vote& a, const Vote& b) { return a.count > b.count; });

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,8 +10,8 @@
 
 namespace planegraph {
 
-/// A map's surfaces as voxels, one layer of bytes for each of 26 classes of directions: the table
-/// that votes for translations are counted in, all at once.
+/// A map's surfaces as voxels, one layer of bits for each of 26 classes of directions: the table
+/// that votes for translations are counted in, a square of sixteen of them at once.
 class DirectionGrid {
  public:
   static constexpr int kClasses = 26;
@@ -42,18 +43,27 @@ class DirectionGrid {
   Eigen::Vector3d high() const { return low_ + voxel_ * size_.cast<double>(); }
 
  private:
+  struct Table;
+  struct Reader;
+  struct Stack;
+
   void Mark(const Surfel& surfel);
   void MarkPoint(const Eigen::Vector3d& point, const std::vector<int>& classes);
-  // The words of a row along x, a bit for each voxel, and one more.
-  std::size_t Words() const { return static_cast<std::size_t>(size_.x()) / 64 + 2; }
-  std::size_t Row(int y, int z) const {
-    return (static_cast<std::size_t>(z) * size_.y() + y) * Words();
+  Table CountAll(const std::vector<Voter>& voters, const Window& window) const;
+  std::vector<Reader> ReadersOf(const std::vector<Voter>& voters, const Table& table) const;
+  std::vector<Stack> StacksOf(const std::vector<Reader>& readers, int column, int y) const;
+  void CountTiles(const std::vector<Stack>& stacks, int column, int y, Table* table) const;
+  // Rows of a column that is sixteen voxels wide follow each other, first by y. Sixteen empty ones
+  // lie before and after them, and an empty column on either side.
+  std::ptrdiff_t Row(int column, int y, int z) const {
+    return ((column + 1) * std::ptrdiff_t{size_.z()} + z) * (size_.y() + 16) + 16 + y;
   }
 
   double voxel_;
   Eigen::Vector3d low_ = Eigen::Vector3d::Zero();
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-  std::array<std::vector<std::uint64_t>, kClasses> layers_;  // empty: no surface of that class
+  int columns_ = 0;
+  std::array<std::vector<std::uint16_t>, kClasses> layers_;  // empty: no surface of that class
 };
 
 }  // namespace planegraph

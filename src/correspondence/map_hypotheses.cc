@@ -88,11 +88,12 @@ DirectionGrid::Window WindowOf(const MapModel& map, const MapPrior& prior) {
   return {low.cwiseMax(window.low), high.cwiseMin(window.high)};
 }
 
+// The samples as voters of a body that is turned; at scale 1.
 std::vector<DirectionGrid::Voter> Voters(const std::vector<GroupSample>& samples,
-                                         const Eigen::Matrix3d& rotation, double scale) {
+                                         const Eigen::Matrix3d& rotation) {
   std::vector<DirectionGrid::Voter> voters;
   for (const GroupSample& s : samples) {
-    voters.push_back({scale * (rotation * s.mean), DirectionGrid::ClassOf(rotation * s.normal)});
+    voters.push_back({rotation * s.mean, DirectionGrid::ClassOf(rotation * s.normal)});
   }
   return voters;
 }
@@ -107,12 +108,15 @@ std::vector<MapHypothesis> FindMapHypotheses(const MapModel& map, const ScanGrou
   const auto scales = Scales(prior.scale, prior.sigma_scale);
   const auto window = WindowOf(map, prior);
   std::vector<std::vector<MapHypothesis>> found(rotations.size() * scales.size());
+  std::vector<std::vector<DirectionGrid::Voter>> turned(rotations.size());
+  ParallelFor(rotations.size(), threads,
+              [&](std::size_t k) { turned[k] = Voters(samples, rotations[k]); });
   ParallelFor(found.size(), threads, [&](std::size_t k) {
     const Eigen::Matrix3d& rotation = rotations[k / scales.size()];
     const double scale = scales[k % scales.size()];
-    const auto votes =
-        map.grid().Count(Voters(samples, rotation, scale), window, kVotesPerRotation);
-    for (const auto& vote : votes) {
+    auto voters = turned[k / scales.size()];
+    for (auto& voter : voters) voter.place *= scale;
+    for (const auto& vote : map.grid().Count(voters, window, kVotesPerRotation)) {
       found[k].push_back({Sim3(scale, Eigen::Quaterniond(rotation), vote.translation), vote.count});
     }
   });

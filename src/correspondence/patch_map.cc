@@ -13,27 +13,40 @@ constexpr double kSlack = 0.1;   // metres beyond it
 constexpr int kBias = 1 << 20;  // makes every cell's coordinates positive
 
 // With the bias truncation is rounding down, at a fraction of floor's cost.
-Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
+inline int CellOf(double coordinate) {
   constexpr double kPerMetre = 1.0 / kCell;
-  return (point.array() * kPerMetre + kBias).cast<int>();
+  return static_cast<int>(coordinate * kPerMetre + kBias);
 }
 
-std::uint64_t Key(const Eigen::Vector3i& c) {
-  return (static_cast<std::uint64_t>(c.x()) << 42) | (static_cast<std::uint64_t>(c.y()) << 21) |
-         static_cast<std::uint64_t>(c.z());
+Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
+  return {CellOf(point.x()), CellOf(point.y()), CellOf(point.z())};
 }
 
-std::uint64_t Mix(std::uint64_t key) {
+inline std::uint64_t Key(int x, int y, int z) {
+  return (static_cast<std::uint64_t>(x) << 42) | (static_cast<std::uint64_t>(y) << 21) |
+         static_cast<std::uint64_t>(z);
+}
+
+inline std::uint64_t KeyOf(double x, double y, double z) {
+  return Key(CellOf(x), CellOf(y), CellOf(z));
+}
+
+double ReachOf(const Surfel& s) { return kReach * s.size + kSlack; }
+
+// Each bit of the result depends on all of the key's.
+inline std::uint64_t Mix(std::uint64_t key) {
   key *= 0x9e3779b97f4a7c15ull;
-  return key ^ (key >> 32);
+  key ^= key >> 32;
+  key *= 0xd6e8feb86659fd93ull;
+  return key ^ key >> 32;
 }
 
-std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
+inline std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
 
 // The cells that a surfel's square overlaps, as keys.
 void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
   keys->clear();
-  const double reach = kReach * s.size + kSlack;
+  const double reach = ReachOf(s);
   const Eigen::Vector3d extent =
       (Eigen::Vector3d::Ones() - s.normal.cwiseProduct(s.normal)).cwiseMax(0.0).cwiseSqrt() * reach;
   const Eigen::Vector3i low = CellOf(s.mean - extent), high = CellOf(s.mean + extent);
@@ -43,7 +56,7 @@ void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
         const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() - kBias + 0.5) * kCell;
         // The plane misses cells farther off than half a cell's diagonal.
         if (std::abs(s.normal.dot(centre - s.mean)) > 0.87 * kCell) continue;
-        keys->push_back(Key({x, y, z}));
+        keys->push_back(Key(x, y, z));
       }
     }
   }
@@ -105,6 +118,8 @@ std::vector<Surfel> MakeSurfels(const PlaneSet& planes, double correlation_lengt
 PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;
   std::vector<std::uint64_t> keys;
+  faces_.reserve(surfels_.size());
+  for (const Surfel& s : surfels_) faces_.push_back({s.normal, s.mean, ReachOf(s)});
   for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
     CellsOf(surfels_[i], &keys);
     for (const std::uint64_t key : keys) entries.push_back({Mix(key), i});
@@ -125,48 +140,48 @@ PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   }
 }
 
-int PatchMap::BestInCell(std::uint64_t hash, const Eigen::Vector3d& point,
-                         const Eigen::Vector3d& normal, double gate, double least_cosine,
-                         double* best) const {
-  const std::uint64_t slot = hash & mask_;
+struct PatchMap::Query {
+  Eigen::Vector3d point, normal;
+  double gate, least_cosine;
+  double best = INFINITY;  // cost
   int found = -1;
+};
+
+inline void PatchMap::BestInCell(std::uint64_t hash, Query* query) const {
+  const std::uint64_t slot = hash & mask_;
   for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
     if (items_[k].tag != Tag(hash)) continue;
-    const Surfel& s = surfels_[items_[k].surfel];
-    if (s.normal.dot(normal) < least_cosine) continue;
-    const Eigen::Vector3d d = point - s.mean;
-    const double height = std::abs(s.normal.dot(d));
-    if (height > gate) continue;
-    const double reach = kReach * s.size + kSlack;
+    const Face& face = faces_[items_[k].surfel];
+    const Eigen::Vector3d d = query->point - face.mean;
+    const double height = std::abs(face.normal.dot(d));
     const double along = d.squaredNorm() - height * height;
-    if (along > reach * reach) continue;
+    // One jump that is hard to foresee is cheaper than three.
+    const bool turned = face.normal.dot(query->normal) < query->least_cosine;
+    const bool off = height > query->gate, beside = along > face.reach * face.reach;
+    if (turned | off | beside) continue;
     // Height first; among surfels of one surface the one that lies nearest in relation to its size.
-    const double cost = height + 0.05 * std::sqrt(along) / reach;
-    if (cost < *best) *best = cost, found = static_cast<int>(items_[k].surfel);
+    const double cost = height + 0.05 * std::sqrt(along) / face.reach;
+    if (cost < query->best) query->best = cost, query->found = static_cast<int>(items_[k].surfel);
   }
-  return found;
 }
 
 int PatchMap::Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
                    double least_cosine) const {
-  double best = INFINITY;
-  int found = -1;
+  Query query{point, normal, gate, least_cosine};
   const auto look = [&](std::uint64_t key) {
     const std::uint64_t hash = Mix(key), slot = hash & mask_;
-    if ((filled_[slot / 64] >> slot % 64 & 1) == 0) return;
-    const int other = BestInCell(hash, point, normal, gate, least_cosine, &best);
-    if (other >= 0) found = other;
+    if ((filled_[slot / 64] >> slot % 64 & 1) != 0) BestInCell(hash, &query);
   };
-  const std::uint64_t centre = Key(CellOf(point));
+  const std::uint64_t centre = KeyOf(point.x(), point.y(), point.z());
   look(centre);
   // A surface at most `gate` off lies in this cell or in those that the gate reaches.
   const Eigen::Vector3d reach = std::min(gate, kCell) * normal;
-  for (const Eigen::Vector3d& end :
-       {Eigen::Vector3d(point - reach), Eigen::Vector3d(point + reach)}) {
-    const std::uint64_t key = Key(CellOf(end));
+  for (const double sign : {-1.0, 1.0}) {
+    const std::uint64_t key = KeyOf(point.x() + sign * reach.x(), point.y() + sign * reach.y(),
+                                    point.z() + sign * reach.z());
     if (key != centre) look(key);
   }
-  return found;
+  return query.found;
 }
 
 }  // namespace planegraph

@@ -152,6 +152,40 @@ TEST(DirectionGrid, TheWindowIsKept) {
   }
 }
 
+// Each voter by itself at a single translation: a way of counting that adds nothing up by bits.
+int CountOneByOne(const DirectionGrid& grid, const std::vector<DirectionGrid::Voter>& voters,
+                  const Vector3d& translation) {
+  int count = 0;
+  for (const auto& voter : voters) {
+    const auto votes = grid.Count({voter}, {translation, translation}, 1);
+    count += votes.empty() ? 0 : votes[0].count;
+  }
+  return count;
+}
+
+TEST(DirectionGrid, TogetherVotersCountAsEachByItself) {
+  // Windows of all widths, inside the map, over its rim and beside it.
+  std::mt19937_64 engine(11);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int run = 0; run < 40; ++run) {
+    const auto surfels = RandomSurfels(150, 100 + run);
+    const DirectionGrid grid(surfels, kVoxel);
+    const auto voters = VotersFor(surfels, 1 + run, {30.0 * uniform(engine), 4.0, -2.0});
+    const double x = 60.0 * uniform(engine) - 20.0, y = 60.0 * uniform(engine) - 20.0;
+    const Vector3d low(x, y, -8.0), wide(40.0 * uniform(engine), 30.0 * uniform(engine), 12.0);
+    const auto votes = grid.Count(voters, {low, low + wide}, 30);
+    for (const auto& vote : votes) {
+      EXPECT_EQ(vote.count, CountOneByOne(grid, voters, vote.translation)) << run;
+    }
+    // No translation has more votes than the best one.
+    for (int k = 0; k < 50; ++k) {
+      const double a = uniform(engine), b = uniform(engine), c = uniform(engine);
+      const Vector3d any = low + Vector3d(a, b, c).cwiseProduct(wide);
+      EXPECT_LE(CountOneByOne(grid, voters, any), votes.empty() ? 0 : votes[0].count) << run;
+    }
+  }
+}
+
 TEST(DirectionGrid, AWindowFarFromTheMapHoldsNoVotes) {
   const auto surfels = RandomSurfels(100, 8);
   const DirectionGrid grid(surfels, kVoxel);
