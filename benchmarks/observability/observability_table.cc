@@ -119,7 +119,8 @@ Counts Measure(SceneKind scene, std::uint64_t seed, const std::string& folder) {
   options.drone_mode = DroneMode::kOff;
   const SimulatedSite site = Simulate(options);
   WriteSite(folder, site);
-  const MapResult result = MapScans(ReadSite(folder + "/site.yaml"), {});
+  const MapOptions map_options;
+  const MapResult result = MapScans(ReadSite(folder + "/site.yaml"), map_options);
   const auto motions = result.covariance->OpenMotions();
   const SimulatedRobot& robot = site.robots.front();
   const auto seen = SeenPlanes(robot);
