@@ -11,6 +11,7 @@
 namespace planegraph {
 namespace {
 
+constexpr double kHardlyAny = 0.02;    // of the surfaces
 constexpr double kLeastCosine = 0.94;  // 20 degrees between surfaces that shall be one
 constexpr double kFreeMargin = 0.5;    // metres a beam must pass beyond a place to deny it
 constexpr double kDistinctMetres = 1.0, kDistinctRadians = 0.17;
@@ -135,13 +136,17 @@ void Verify(const ScanModel& target, const ScanModel& source, const HypothesisOp
 
 double Support::WorstDirection() const {
   // Directions that hardly any surface faces do not count.
-  const double floor = 0.02 * (agree + violate + unknown);
+  const double floor = kHardlyAny * (agree + violate + unknown);
   const Eigen::Matrix3d all =
       agree_by_direction + violate_by_direction + floor * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d good = agree_by_direction + floor * Eigen::Matrix3d::Identity();
   return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(good, all,
                                                                    Eigen::EigenvaluesOnly)
       .eigenvalues()[0];
+}
+
+bool Support::IsFaced(const Eigen::Vector3d& direction) const {
+  return direction.dot(agree_by_direction * direction) > kHardlyAny * agree;
 }
 
 Support MeasureSupport(const ScanModel& target, const ScanModel& source,

@@ -1,7 +1,6 @@
 #include "planegraph/pipeline/chain.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -111,51 +110,6 @@ void ResolveContradiction(const ScanModel& target, const ScanModel& source,
   }
 }
 
-// The translation's direction that the surfaces hold least, with the odometry's variance along it.
-struct WeakDirection {
-  Eigen::Vector3d axis;
-  double surfels;  ///< as many as would hold it by themselves
-  double sigma;
-};
-
-WeakDirection WeakestDirection(const Refinement& refinement) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      Eigen::Matrix3d(refinement.covariance.topLeftCorner<3, 3>()));
-  const Eigen::Vector3d information = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  return {eigen.eigenvectors().col(2), refinement.pairs * information[2] / information.sum(),
-          std::sqrt(std::max(eigen.eigenvalues()[2], 0.0))};
-}
-
-// A direction that a handful of patches among hundreds holds can be held wrong: along a corridor
-// some frame or pipe always fits something. Where the odometry contradicts it (one in a hundred),
-// it decides, as in a direction that nothing holds: to doubt what is right costs no more than the
-// odometry's sigma, to believe what is wrong makes a pose wrong and sure.
-void DoubtFewSurfaces(const OdometryStep& step, const OdometryScatter& scatter, PairRecord* pair) {
-  constexpr double kFew = 10.0, kContradiction = 2.58;
-  Registration& registration = pair->registration;
-  if (!pair->used || !registration.unobserved.empty()) return;
-  const WeakDirection weak = WeakestDirection(registration.refinement);
-  if (weak.surfels >= kFew) return;
-  const double off = weak.axis.dot(registration.target_from_source().translation -
-                                   step.target_from_source.translation);
-  const double odometry =
-      std::sqrt(weak.axis.dot(step.covariance.topLeftCorner<3, 3>() * weak.axis));
-  const double sigma = std::hypot(std::max(odometry, scatter.translation), weak.sigma);
-  if (std::abs(off) <= kContradiction * sigma) return;
-  UnobservedDirection open;
-  open.direction.setZero();
-  open.direction.head<3>() = weak.axis;
-  open.sigma = INFINITY;
-  registration.unobserved.push_back(open);
-  registration.status = RegistrationStatus::kDegenerate;
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "translation along (%.2f, %.2f, %.2f) is doubtful: few surfaces hold it, and the "
-                "odometry contradicts them by %.2f m",
-                weak.axis.x(), weak.axis.y(), weak.axis.z(), std::abs(off));
-  registration.reason = text;
-}
-
 constexpr std::size_t kLeastSteps = 3;  // for a robust scale
 
 // Medians of chi-square and of chi with three degrees of freedom.
@@ -260,7 +214,6 @@ void ReviseChain(const std::vector<ScanModel>& models, const std::vector<Odometr
       SearchBeyondReach(target, source, scatter, options, &pair);
       ResolveContradiction(target, source, *step, scatter, options, &pair);
     }
-    DoubtFewSurfaces(*step, scatter, &pair);
     if (pair.used) HoldByOdometry(target, source, *step, options, &pair.registration);
   });
 }

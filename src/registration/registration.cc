@@ -104,7 +104,7 @@ bool IsFaked(const ScanModel& target, const ScanModel& source, const Refinement&
   return ObservedShare(target, source, refinement, axis, shift, options.refinement) < kLeastShare;
 }
 
-void AddOpenTranslations(const ScanModel& target, const ScanModel& source,
+void AddOpenTranslations(const ScanModel& target, const ScanModel& source, const Support& support,
                          const Refinement& refinement, const RegistrationOptions& options,
                          std::vector<UnobservedDirection>* found) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
@@ -113,7 +113,8 @@ void AddOpenTranslations(const ScanModel& target, const ScanModel& source,
     const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
     const Eigen::Vector3d axis = LeastFaced(refinement.information, eigen.eigenvectors().col(k));
     // Better observed axes than one that is observed need no look.
-    if (IsFaked(target, source, refinement, axis, sigma, options)) {
+    // Along a corridor some frame or pipe always fits something, and looks sharp.
+    if (!support.IsFaced(axis) || IsFaked(target, source, refinement, axis, sigma, options)) {
       found->push_back(MakeOpen(0, axis, INFINITY));
     } else if (sigma > options.weak_translation) {
       found->push_back(MakeOpen(0, axis, sigma));
@@ -213,7 +214,7 @@ Registration Finish(const ScanModel& target, const ScanModel& source, Candidate 
   result.support = best.support;
   result.quality = best.quality;
   result.runner_up = runner_up;
-  result.unobserved = FindUnobserved(target, source, result.refinement, options);
+  result.unobserved = FindUnobserved(target, source, result.support, result.refinement, options);
   Decide(options, &result);
   return result;
 }
@@ -239,10 +240,11 @@ double Quality(const Support& support) {
 }
 
 std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const ScanModel& source,
+                                                const Support& support,
                                                 const Refinement& refinement,
                                                 const RegistrationOptions& options) {
   std::vector<UnobservedDirection> found;
-  AddOpenTranslations(target, source, refinement, options, &found);
+  AddOpenTranslations(target, source, support, refinement, options, &found);
   AddOpenRotations(refinement, options.weak_rotation, &found);
   return found;
 }

@@ -26,7 +26,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, HallsOfEqualBays, testing::Values(14, 210));
 
 // In a corridor a few patches that face along it matched others, 0.5 m from where the odometry was:
 // the pose came out 0.39 m wrong, and sure to a centimetre.
-TEST_F(TestFolder, AHandfulOfPatchesAgainstTheOdometryHoldsNoDirection) {
+TEST_F(TestFolder, AHandfulOfPatchesHoldsNoDirection) {
   SimulationOptions options;
   options.scene = SceneKind::kCorridor;
   options.seed = 950;

@@ -22,6 +22,8 @@ struct Support {
   /// Share of agreement among what was seen, in the direction where it is worst: a wrong pose may
   /// have the ground right and the walls wrong.
   double WorstDirection() const;
+  /// Whether more than hardly any of the agreeing surfaces face along a unit vector (target frame).
+  bool IsFaced(const Eigen::Vector3d& direction) const;
 };
 
 /// Compares the source's samples, under the pose, with the target's surfaces. `gate` is the largest

@@ -39,10 +39,12 @@ struct Registration {
 /// violate free space, times the agreement in the worst direction.
 double Quality(const Support& support);
 
-/// Directions that the surfaces leave open: where the standard deviation is above the limits, where
-/// noise of the normals alone would explain the information (ALGORITHMS 3.2, rule 2), or where the
-/// cost does not rise as the information predicts (ObservedShare).
+/// Directions that the surfaces leave open: where hardly any of the agreeing ones face along it
+/// (Support::IsFaced), the standard deviation is above the limits, noise of the normals alone would
+/// explain the information (ALGORITHMS 3.2, rule 2), or the cost does not rise as the information
+/// predicts (ObservedShare).
 std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const ScanModel& source,
+                                                const Support& support,
                                                 const Refinement& refinement,
                                                 const RegistrationOptions& options);
 
