@@ -100,6 +100,29 @@ TEST(MeasureSupport, SharesSumToOneAndTellRightFromWrong) {
   EXPECT_GT(shifted.violate, 0.05) << "the wall stands in free space";
 }
 
+TEST(MeasureSupport, ADirectionIsFacedByMoreThanHardlyAnySurface) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Matrix3d turn =
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+            .normalized()
+            .toRotationMatrix();
+    // Walls, floor and ceiling of a corridor, and a share of its surfaces that faces along it.
+    const auto corridor = [&](double along) {
+      Support support;
+      support.agree = 0.5;
+      const Eigen::Vector3d shares(along, 0.6 - along, 0.4);
+      support.agree_by_direction = 0.5 * turn * shares.asDiagonal() * turn.transpose();
+      return support;
+    };
+    EXPECT_FALSE(corridor(0.0).IsFaced(turn.col(0)));
+    EXPECT_FALSE(corridor(0.01).IsFaced(turn.col(0)));
+    EXPECT_TRUE(corridor(0.04).IsFaced(turn.col(0)));
+    EXPECT_TRUE(corridor(0.0).IsFaced(turn.col(1)));
+  }
+}
+
 TEST(FindHypotheses, TheTruthIsAmongThem) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const RayWorld room = FurnishedRoom(seed);
