@@ -23,7 +23,27 @@ std::optional<Georeference> GeoreferenceMap(const Site& site, const DroneMapSite
   if (!map.image_times.empty()) times = ReadImageTimes(map.image_times);
   GeoreferenceOptions options;
   options.origin = site.origin;
-  return ComputeGeoreference(ReadCameras(map.cameras), ReadGps(map.gps), times, options);
+  const CameraModel cameras = ReadCameras(map.cameras);
+  const GpsTrack gps = ReadGps(map.gps);
+  try {
+    return ComputeGeoreference(cameras, gps, times, options);
+  } catch (const UsageError& error) {  // of a site file it is the file that lacks something
+    throw InputError::InFile(map.gps, std::string(error.what()) +
+                                          ": state `image_times` of the "
+                                          "map " +
+                                          map.name);
+  }
+}
+
+// What is taken for granted where nothing says how large the map is and where.
+std::optional<std::string> AssumptionOf(const DroneMapSite& map) {
+  if (!map.gps.empty() && map.cameras.empty()) {
+    return map.name + ": its GPS is not used, since no `cameras` say where the images were taken";
+  }
+  if (!map.gps.empty() || map.scale != 1.0 || map.scale_sigma) return {};
+  return map.name +
+         ": no GPS: its unit is taken for the metre, and its place is searched for; "
+         "`cameras` with `gps` tell both, `scale` the unit";
 }
 
 // The middle of the cameras in whole metres: what keeps coordinates small.
@@ -170,6 +190,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   if (map.georeference && !map.has_position()) {
     warnings->push_back(map.id + ": no scale and place by GPS: " + map.georeference->reason);
   }
+  if (const auto assumption = AssumptionOf(source)) warnings->push_back(*assumption);
   SetFrames(source, &map);
   const bool has_normals = IsTooLarge(source, memory, warnings)
                                ? SegmentInTiles(source, threads, memory, &map)

@@ -102,6 +102,7 @@ path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .picture canvas { display: block; width: 100%; height: 100%; cursor: grab; }
 .picture canvas:active { cursor: grabbing; }
 .picture canvas:focus-visible { outline: 2px solid var(--focus); outline-offset: -2px; }
+#viewer[data-state="loading"]::before { content: "Loading the view…"; color: var(--quiet); }
 .controls { display: flex; flex-wrap: wrap; gap: .4rem 1rem; align-items: center; margin: .4rem 0; font-size: .85rem; }
 .controls label { display: flex; gap: .4rem; align-items: center; min-height: 2rem; }
 .controls input[type="range"] { width: 8rem; } #viewer input { accent-color: var(--focus); }

@@ -1,5 +1,5 @@
 // Sites with a drone map, from files to poses.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,11 @@
 
 namespace planegraph {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 SimulatedSite Hybrid(SceneKind scene, std::uint64_t seed, int scans) {
   SimulationOptions options;
@@ -145,6 +150,32 @@ TEST_F(HybridYard, WithoutAMapOnTheEarthReceiversAreLeftOutWithAWarning) {
   const MapResult result = MapScans(site, Options("graph"));
   EXPECT_TRUE(result.robot_positions.empty());
   EXPECT_FALSE(result.warnings.empty());
+}
+
+TEST_F(HybridYard, AMapWithoutGpsSaysWhatIsTakenForGranted) {
+  const auto warnings = [](const Site& site) {
+    std::vector<std::string> list;
+    PrepareMap(site, 0, 1, &list);
+    return list;
+  };
+  Site site = Read("site.yaml");
+  EXPECT_THAT(warnings(site), IsEmpty());
+  site.maps[0].gps.clear();
+  EXPECT_THAT(warnings(site), ElementsAre(HasSubstr("its unit is taken for the metre")));
+  site.maps[0].scale = 8.5;
+  EXPECT_THAT(warnings(site), IsEmpty());
+}
+
+TEST_F(HybridYard, PositionsByTimeWithoutTheImagesTimesAreTheFilesError) {
+  Site site = Read("site.yaml");
+  site.maps[0].image_times.clear();
+  std::vector<std::string> warnings;
+  try {
+    PrepareMap(site, 0, 1, &warnings);
+    FAIL() << "nothing is missing";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(site.maps[0].gps), HasSubstr("`image_times`")));
+  }
 }
 
 TEST_F(HybridYard, KnownTiltsHoldTheVertical) {
