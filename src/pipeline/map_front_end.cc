@@ -23,16 +23,7 @@ std::optional<Georeference> GeoreferenceMap(const Site& site, const DroneMapSite
   if (!map.image_times.empty()) times = ReadImageTimes(map.image_times);
   GeoreferenceOptions options;
   options.origin = site.origin;
-  const CameraModel cameras = ReadCameras(map.cameras);
-  const GpsTrack gps = ReadGps(map.gps);
-  try {
-    return ComputeGeoreference(cameras, gps, times, options);
-  } catch (const UsageError& error) {  // of a site file it is the file that lacks something
-    throw InputError::InFile(map.gps, std::string(error.what()) +
-                                          ": state `image_times` of the "
-                                          "map " +
-                                          map.name);
-  }
+  return ComputeGeoreference(ReadCameras(map.cameras), ReadGps(map.gps), times, options);
 }
 
 // What is taken for granted where nothing says how large the map is and where.

@@ -39,11 +39,23 @@ std::vector<ScanModel> MakeModels(const std::vector<ScanRecord>& scans, int thre
   return models;
 }
 
+// Of a site file it is the file that lacks something, not the command line.
+MapRecord PrepareMapOfSite(const Site& site, std::size_t m, const MapOptions& options,
+                           std::vector<std::string>* warnings) {
+  try {
+    return PrepareMap(site, m, options.threads, warnings, options.map_memory);
+  } catch (const UsageError& error) {
+    throw InputError::InFile(
+        site.maps[m].gps,
+        std::string(error.what()) + ": state `image_times` of the map " + site.maps[m].name);
+  }
+}
+
 std::vector<MapRecord> PrepareMaps(const Site& site, const MapOptions& options, MapResult* result) {
   std::vector<MapRecord> maps;
   for (std::size_t m = 0; m < site.maps.size(); ++m) {
     options.progress("maps", static_cast<double>(m) / static_cast<double>(site.maps.size()));
-    maps.push_back(PrepareMap(site, m, options.threads, &result->warnings, options.map_memory));
+    maps.push_back(PrepareMapOfSite(site, m, options, &result->warnings));
   }
   if (!maps.empty()) options.progress("maps", 1.0);
   return maps;

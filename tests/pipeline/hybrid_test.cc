@@ -169,9 +169,8 @@ TEST_F(HybridYard, AMapWithoutGpsSaysWhatIsTakenForGranted) {
 TEST_F(HybridYard, PositionsByTimeWithoutTheImagesTimesAreTheFilesError) {
   Site site = Read("site.yaml");
   site.maps[0].image_times.clear();
-  std::vector<std::string> warnings;
   try {
-    PrepareMap(site, 0, 1, &warnings);
+    MapScans(site, Options("none"));
     FAIL() << "nothing is missing";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr(site.maps[0].gps), HasSubstr("`image_times`")));

@@ -66,6 +66,7 @@ class HybridMap : public testing::Test {
     const Eigen::Vector3d offset = ReadCloud(folder_ + "/two/map.ply").offset;
     records_ = ReadRecords(folder_ + "/two/map.ply", offset);
   }
+  static MapResult InTiles(int threads);
   static void TearDownTestSuite() {
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
@@ -186,13 +187,19 @@ std::set<std::array<long, 3>> DroneVoxels(const std::vector<Record>& records,
   return voxels;
 }
 
-TEST_F(HybridMap, AMapInTilesOnDiskIsTheSame) {
+// The run with its drone map read in parts, from tiles on disk.
+MapResult HybridMap::InTiles(int threads) {
   MapResult tiled = *result_;
   std::vector<std::string> warnings;
   MapMemory memory;
   memory.scratch = folder_;
   memory.bytes = 22000000;
-  tiled.maps[0] = PrepareMap(result_->site, 0, 2, &warnings, memory);
+  tiled.maps[0] = PrepareMap(result_->site, 0, threads, &warnings, memory);
+  return tiled;
+}
+
+TEST_F(HybridMap, AMapInTilesOnDiskIsTheSame) {
+  const MapResult tiled = InTiles(2);
   const MapRecord &whole = result_->maps[0], &parts = tiled.maps[0];
   ASSERT_FALSE(whole.tiles);
   ASSERT_TRUE(parts.tiles);
@@ -221,12 +228,7 @@ TEST_F(HybridMap, AMapInTilesOnDiskIsTheSame) {
 }
 
 TEST_F(HybridMap, AMapWithoutThinningKeepsAllPointsAndLabelsInTiles) {
-  MapResult tiled = *result_;
-  std::vector<std::string> warnings;
-  MapMemory memory;
-  memory.scratch = folder_;
-  memory.bytes = 22000000;
-  tiled.maps[0] = PrepareMap(result_->site, 0, 1, &warnings, memory);
+  const MapResult tiled = InTiles(1);
   WriteOutputs(tiled, {folder_ + "/tiled0", 0.0, 1});
   WriteOutputs(*result_, {folder_ + "/whole0", 0.0, 1});
   std::vector<std::vector<std::string>> sorted;
