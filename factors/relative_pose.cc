@@ -8,17 +8,12 @@
 // free.
 #include <ceres/sized_cost_function.h>
 
-#include "planegraph/geometry/rotation.h"
+#include "factors/relative_pose_terms.h"
 #include "planegraph/graph/factor_registry.h"
 #include "planegraph/graph/factor_sampling.h"
-#include "planegraph/graph/pose_error.h"
 
 namespace planegraph {
 namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
 class RelativePoseCost final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
@@ -26,24 +21,7 @@ class RelativePoseCost final : public ceres::SizedCostFunction<6, kPoseSize, kPo
       : measurement_(target_from_source), root_(SquareRootInformation(information)) {}
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const PoseView target(blocks[0]), source(blocks[1]);
-    const Eigen::Quaterniond target_rotation(target.q), source_rotation(source.q);
-    const Vector3d d = source.t - target.t;
-    const Matrix3d to_target = target.rotation.transpose();
-    const Vector6d error =
-        PoseError({target_rotation.conjugate() * source_rotation, to_target * d}, measurement_);
-    Eigen::Map<Vector6d>(residuals, 6) = root_ * error;
-    if (jacobians == nullptr) return true;
-    const Matrix63 by_translation = root_.leftCols<3>() * to_target;
-    const Matrix63 by_rotation =
-        root_.rightCols<3>() * (InverseLeftJacobian(error.tail<3>()) * to_target);
-    if (jacobians[0] != nullptr) {
-      WritePoseJacobian(target, -by_translation, by_translation * Hat(d) - by_rotation,
-                        jacobians[0]);
-    }
-    if (jacobians[1] != nullptr) {
-      WritePoseJacobian(source, by_translation, by_rotation, jacobians[1]);
-    }
+    EvaluateRelativePose(measurement_, root_, blocks, residuals, jacobians);
     return true;
   }
 

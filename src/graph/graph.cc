@@ -46,8 +46,11 @@ void CheckPlaneFactor(const PlaneFactor& factor, int plane_count, const std::str
           name + ": a sigma is not positive");
 }
 
-void CheckPoseFactor(const PoseFactor& factor, int pose_count, const std::string& name) {
-  Require(!factor.poses.empty(), name + ": no poses");
+void CheckPoseFactor(const PoseFactor& factor, const Graph& graph, const std::string& name) {
+  const int pose_count = static_cast<int>(graph.poses.size());
+  Require(!factor.poses.empty() || factor.scale >= 0, name + ": no poses");
+  Require(factor.scale < static_cast<int>(graph.scales.size()),
+          name + ": names a scale that does not exist");
   for (int pose : factor.poses) {
     Require(pose >= 0 && pose < pose_count, name + ": names a pose that does not exist");
   }
@@ -97,6 +100,16 @@ PoseFactor MakeRelativePose(int target, int source, const Rigid3& target_from_so
   factor.measurement = target_from_source;
   factor.information = information;
   factor.source = measured_by;
+  return factor;
+}
+
+PoseFactor MakeScalePrior(int scale, double value, double sigma) {
+  PoseFactor factor;
+  factor.type = "scale_prior";
+  factor.scale = scale;
+  factor.point.x() = value;
+  factor.information.setZero();
+  factor.information(0, 0) = 1.0 / (sigma * sigma);
   return factor;
 }
 
@@ -169,7 +182,6 @@ void FitLandmark(const Graph& graph, PlaneLandmark* landmark) {
 }
 
 void CheckGraph(const Graph& graph) {
-  const int pose_count = static_cast<int>(graph.poses.size());
   for (const PoseNode& node : graph.poses) {
     const Rigid3& pose = node.world_from_node;
     Require(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-6,
@@ -188,12 +200,16 @@ void CheckGraph(const Graph& graph) {
                 map.scale > 0.0 && std::isfinite(map.scale),
             "map " + node.id + ": not a similarity");
   }
+  for (const ScaleNode& node : graph.scales) {
+    Require(node.scale > 0.0 && std::isfinite(node.scale),
+            "scale " + node.id + ": not a positive number");
+  }
   for (std::size_t k = 0; k < graph.map_factors.size(); ++k) {
     CheckMapFactor(graph.map_factors[k], static_cast<int>(graph.maps.size()),
                    "map factor " + std::to_string(k));
   }
   for (std::size_t k = 0; k < graph.pose_factors.size(); ++k) {
-    CheckPoseFactor(graph.pose_factors[k], pose_count, "pose factor " + std::to_string(k));
+    CheckPoseFactor(graph.pose_factors[k], graph, "pose factor " + std::to_string(k));
   }
 }
 

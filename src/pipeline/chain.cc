@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <utility>
 
 #include "pipeline/lap.h"
@@ -18,7 +17,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // A pose from the odometry that explains this much needs no search for another one.
 constexpr double kGoodQuality = 0.3, kGoodDirection = 0.8;
 
@@ -127,14 +125,24 @@ double RobustSigma(std::vector<double> lengths) {
 
 }  // namespace
 
-Matrix6d OdometryCovariance(const Rigid3& target_from_source) {
+Matrix6d OdometryStep::OwnCovariance() const {
+  Matrix6d own = covariance;
+  const Eigen::Vector3d common = sigma_scale * target_from_source.translation;
+  own.topLeftCorner<3, 3>() -= common * common.transpose();
+  return own;
+}
+
+Matrix6d OdometryCovariance(const Rigid3& target_from_source, const OdometryNoise& noise) {
   const double distance = target_from_source.translation.norm();
   const double turn = LogSO3(target_from_source.rotation).norm();
-  const double translation = 0.02 + 0.05 * distance;
-  const double rotation = 0.5 * kDegree + 0.05 * turn + 0.5 * kDegree * distance;
+  const double translation = noise.step + noise.per_metre * distance;
+  const double rotation =
+      noise.step_rotation + noise.per_turn * turn + noise.rotation_per_metre * distance;
   Matrix6d covariance = Matrix6d::Zero();
   covariance.topLeftCorner<3, 3>().diagonal().setConstant(translation * translation);
   covariance.bottomRightCorner<3, 3>().diagonal().setConstant(rotation * rotation);
+  const Eigen::Vector3d common = noise.scale * target_from_source.translation;
+  covariance.topLeftCorner<3, 3>() += common * common.transpose();
   return covariance;
 }
 
@@ -145,7 +153,8 @@ std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<Scan
     if (scans[i + 1].robot != scans[i].robot || !robot.odometry) continue;
     const auto& poses = robot.odometry->poses;
     const Rigid3 step = poses[scans[i].index].Inverse() * poses[scans[i + 1].index];
-    steps.push_back({i, i + 1, step, OdometryCovariance(step)});
+    steps.push_back({i, i + 1, step, OdometryCovariance(step, robot.odometry_noise), scans[i].robot,
+                     robot.odometry_noise.scale});
   }
   return steps;
 }
@@ -179,6 +188,7 @@ OdometryScatter CalibrateOdometry(const std::vector<PairRecord>& chain,
   for (OdometryStep& step : *steps) {
     step.covariance.topLeftCorner<3, 3>() *= ft;
     step.covariance.bottomRightCorner<3, 3>() *= fr;
+    step.sigma_scale *= std::sqrt(ft);
   }
   return {RobustSigma(std::move(metres)), RobustSigma(std::move(radians))};
 }

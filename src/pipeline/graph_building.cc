@@ -255,6 +255,30 @@ void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph, bool r
   }
 }
 
+void ShareOdometryScales(const std::vector<OdometryStep>& odometry, std::size_t robots,
+                         Graph* graph) {
+  std::erase_if(graph->pose_factors,
+                [](const PoseFactor& factor) { return factor.source == "odometry"; });
+  std::vector<double> sigmas(robots);
+  for (const OdometryStep& step : odometry) sigmas[step.robot] = step.sigma_scale;
+  std::vector<int> nodes(robots, -1);
+  for (std::size_t r = 0; r < robots; ++r) {
+    if (!(sigmas[r] > 0.0)) continue;
+    nodes[r] = static_cast<int>(graph->scales.size());
+    graph->scales.push_back({std::to_string(r)});
+    graph->pose_factors.push_back(MakeScalePrior(nodes[r], 1.0, sigmas[r]));
+  }
+  for (const OdometryStep& step : odometry) {
+    PoseFactor factor = MakeRelativePose(static_cast<int>(step.target),
+                                         static_cast<int>(step.source), step.target_from_source,
+                                         PositiveInverse(step.OwnCovariance()), "odometry");
+    factor.scale = nodes[step.robot];
+    if (factor.scale >= 0) factor.type = "odometry_step";
+    factor.robust = true;
+    graph->pose_factors.push_back(factor);
+  }
+}
+
 MapWeights WeighMaps(const JointProblem& problem) {
   MapWeights weights{problem.placement->errors, {}};
   for (std::size_t m = 0; m < problem.maps->size(); ++m) {

@@ -12,6 +12,12 @@ Matrix6d PositiveInverse(const Matrix6d& covariance);
 /// Adds the odometry's steps as relative poses, robust ones as a rule.
 void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph, bool robust = true);
 
+/// Puts steps with the scale of each robot's odometry as an unknown of its own (node `i` of robot
+/// i) in the place of AddOdometry's: what all steps err by in common is not found out by the number
+/// of steps.
+void ShareOdometryScales(const std::vector<OdometryStep>& odometry, std::size_t robots,
+                         Graph* graph);
+
 std::vector<Rigid3> PosesOf(const Graph& graph);
 
 /// What the observations of each map count: see MapErrors and MapVarianceFactor.

@@ -311,6 +311,7 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
   Graph graph = result->solution.graph;
   RemoveFakedInformation(OpenDirections(pairs, result->solution.world_from_scan), &graph);
   std::erase_if(graph.pose_factors, [](const PoseFactor& f) { return f.source == "hold"; });
+  ShareOdometryScales(result->odometry, result->site.robots.size(), &graph);
   CovarianceOptions limits;
   limits.noise = options.covariance;
   limits.translation_threshold = options.registration.weak_translation;
@@ -324,6 +325,10 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
   }
   for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
     result->map_covariances.push_back(covariance.Map(m));
+  }
+  result->odometry_scale_sigmas.assign(result->site.robots.size(), 0.0);
+  for (int s = 0; s < static_cast<int>(graph.scales.size()); ++s) {
+    result->odometry_scale_sigmas[std::stoul(graph.scales[s].id)] = std::sqrt(covariance.Scale(s));
   }
   if (Components(result->scans.size(), pairs) == result->component) return;
   // Like the other edges of the graph that is written: by the stated noise.

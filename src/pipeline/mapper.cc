@@ -97,6 +97,8 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
   const OdometryScatter scatter = CalibrateOdometry(result->pairs, &result->odometry);
+  result->odometry_scales =
+      ScaleOdometry(result->pairs, result->site.robots.size(), &result->odometry);
   ReviseChain(models, result->odometry, scatter, options.registration, options.threads,
               &result->pairs);
   options.progress("registration", 0.5);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "pipeline/observability_json.h"
 #include "pipeline/reference.h"
@@ -276,6 +277,13 @@ Json FiltersJson(const RobotSite& robot) {
   return list;
 }
 
+Json NoiseJson(const OdometryNoise& noise) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  return {{"step", noise.step},         {"per_metre", noise.per_metre},
+          {"scale", noise.scale},       {"step_deg", noise.step_rotation / kDegree},
+          {"per_turn", noise.per_turn}, {"per_metre_deg", noise.rotation_per_metre / kDegree}};
+}
+
 // What was in effect, defaults included.
 Json ConfigurationJson(const MapResult& result, const MapOptions& options) {
   const SegmentationOptions& segmentation = options.segmentation;
@@ -293,9 +301,23 @@ Json ConfigurationJson(const MapResult& result, const MapOptions& options) {
     json["robots"][robot.name] = {{"scans", robot.scans.size()},
                                   {"format", robot.format},
                                   {"odometry", robot.odometry.has_value()},
+                                  {"odometry_noise", NoiseJson(robot.odometry_noise)},
                                   {"start", robot.start.has_value()},
                                   {"reference", !robot.reference.empty()},
                                   {"filters", FiltersJson(robot)}};
+  }
+  return json;
+}
+
+Json OdometryJson(const MapResult& result) {
+  Json json = Json::object();
+  for (std::size_t r = 0; r < result.odometry_scales.size(); ++r) {
+    if (!result.site.robots[r].odometry) continue;
+    Json& robot = json[result.site.robots[r].name];
+    robot["scale"] = Number(result.odometry_scales[r]);
+    robot["sigma_scale"] = result.odometry_scale_sigmas.empty()
+                               ? Json(nullptr)
+                               : Number(result.odometry_scale_sigmas[r]);
   }
   return json;
 }
@@ -330,6 +352,7 @@ std::string ReportJson(const MapResult& result, const MapOptions& options) {
       {"registration", result.seconds.pairing}, {"placing", result.seconds.placing},
       {"solve", result.seconds.solve},          {"covariance", result.seconds.covariance},
       {"output", result.seconds.output}};
+  report["odometry"] = OdometryJson(result);
   report["switched_off"] = SwitchedOffJson(result);
   report["configuration"] = ConfigurationJson(result, options);
   report["peak_memory_bytes"] = PeakMemoryBytes();

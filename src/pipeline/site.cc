@@ -39,6 +39,7 @@ class SiteReader : private YamlReader {
   DroneMapSite Map(const YAML::Node& node) const;
   RobotGps Gps(const YAML::Node& robot, const RobotSite& site) const;
   std::optional<GravityPrior> Gravity(const YAML::Node& node) const;
+  OdometryNoise Noise(const YAML::Node& node) const;
   std::optional<double> Positive(const YAML::Node& map, const std::string& key) const;
   GeodeticPosition Origin(const YAML::Node& node) const;
 };
@@ -203,9 +204,34 @@ std::optional<GravityPrior> SiteReader::Gravity(const YAML::Node& node) const {
   return gravity;
 }
 
+OdometryNoise SiteReader::Noise(const YAML::Node& node) const {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  OdometryNoise noise;
+  const std::map<std::string, std::pair<double*, double>> fields = {
+      {"step", {&noise.step, 1.0}},
+      {"per_metre", {&noise.per_metre, 1.0}},
+      {"scale", {&noise.scale, 1.0}},
+      {"step_deg", {&noise.step_rotation, kDegree}},
+      {"per_turn", {&noise.per_turn, 1.0}},
+      {"per_metre_deg", {&noise.rotation_per_metre, kDegree}}};
+  std::set<std::string> names;
+  for (const auto& field : fields) names.insert(field.first);
+  AllowKeys(node, names);
+  for (const auto& [name, field] : fields) {
+    if (!node[name]) continue;
+    const auto value = Value<double>(node[name], name);
+    const bool may_be_zero = name.rfind("step", 0) != 0;
+    if (!(value > 0.0 || (may_be_zero && value == 0.0)) || !std::isfinite(value)) {
+      Fail(node[name], name + " must be positive");
+    }
+    *field.first = value * field.second;
+  }
+  return noise;
+}
+
 RobotSite SiteReader::Robot(const YAML::Node& node) const {
   AllowKeys(node, {"name", "scans", "format", "odometry", "start", "reference", "filters", "gps",
-                   "gps_lever", "gps_sigma", "gravity"});
+                   "gps_lever", "gps_sigma", "gravity", "odometry_noise"});
   RobotSite robot;
   robot.name = Text(node, "name", "");
   if (robot.name.empty() || robot.name.find('/') != std::string::npos) {
@@ -221,6 +247,7 @@ RobotSite SiteReader::Robot(const YAML::Node& node) const {
   if (node["filters"]) robot.filters = Filters(node["filters"]);
   if (node["gps"]) robot.gps = Gps(node, robot);
   robot.gravity = Gravity(node["gravity"]);
+  if (node["odometry_noise"]) robot.odometry_noise = Noise(node["odometry_noise"]);
   return robot;
 }
 

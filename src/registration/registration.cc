@@ -109,17 +109,23 @@ void AddOpenTranslations(const ScanModel& target, const ScanModel& source, const
                          std::vector<UnobservedDirection>* found) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       Eigen::Matrix3d(refinement.covariance.topLeftCorner<3, 3>()));
+  bool observed = false;
   for (int k = 2; k >= 0; --k) {
     const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
     const Eigen::Vector3d axis = LeastFaced(refinement.information, eigen.eigenvectors().col(k));
-    // Better observed axes than one that is observed need no look.
     // Along a corridor some frame or pipe always fits something, and looks sharp.
-    if (!support.IsFaced(axis) || IsFaked(target, source, refinement, axis, sigma, options)) {
+    if (!support.IsFaced(axis)) {
+      found->push_back(MakeOpen(0, axis, INFINITY));
+      continue;
+    }
+    // Better observed axes than one that is observed need no closer look.
+    if (observed) continue;
+    if (IsFaked(target, source, refinement, axis, sigma, options)) {
       found->push_back(MakeOpen(0, axis, INFINITY));
     } else if (sigma > options.weak_translation) {
       found->push_back(MakeOpen(0, axis, sigma));
     } else {
-      break;
+      observed = true;
     }
   }
 }

@@ -38,6 +38,20 @@ std::string OpenMotions(const Json& json) {
   return items.empty() ? "" : "<ul class=\"words\">\n" + items + "</ul>\n";
 }
 
+// How long the odometry's metre is: what holds an open direction is scaled by it.
+std::string OdometryScales(const Json& json) {
+  std::string items;
+  const auto robots = json.find("odometry");
+  if (robots == json.end() || !robots->is_object()) return items;
+  for (const auto& [robot, found] : robots->items()) {
+    const auto scale = NumberAt(found, {"scale"}), sigma = NumberAt(found, {"sigma_scale"});
+    if (!scale || !sigma) continue;
+    items += "<li>A metre of the odometry of " + Escape(robot) + " is " + Fixed(*scale, 4) +
+             " \u00b1 " + Fixed(*sigma, 4) + "\u00a0m.</li>\n";
+  }
+  return items.empty() ? "" : "<ul class=\"words\">\n" + items + "</ul>\n";
+}
+
 std::string FoldedList(const std::string& items, std::size_t count, const std::string& summary,
                        std::size_t most_open) {
   if (count == 0) return "";
@@ -194,7 +208,7 @@ std::string OpenDirectionsHtml(const ReportData& data) {
   const std::string open = count == 0 && motions.empty()
                                ? "<p>None: the planes hold every scan in all six directions.</p>\n"
                                : motions + FoldedList(items, count, all, motions.empty() ? 12 : 0);
-  return Section("Directions that the planes leave open", open) +
+  return Section("Directions that the planes leave open", open + OdometryScales(*data.json)) +
          Section("Warnings", WarningsHtml(*data.json));
 }
 

@@ -66,6 +66,7 @@ SimulatedRobot SimulateRobot(const Scene& scene, const RayCaster& caster, std::s
                           options.seed, index);
   robot.times = TimeStamps(robot.truth);
   Random odometry_random(options.seed, streams + kOdometryStream);
+  robot.odometry_options = options.odometry;
   robot.odometry = SimulateOdometry(robot.truth, options.odometry, &odometry_random);
   Random start_random(options.seed, streams + kStartStream);
   if (HasDrone(options)) {

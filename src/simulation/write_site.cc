@@ -1,6 +1,8 @@
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/io/cloud_io.h"
@@ -73,9 +75,25 @@ std::string GpsKeys(const std::string& folder) {
   return text;
 }
 
+// What SimulateOdometry errs by, in the terms of a site file. Lengths are off by one factor of a
+// run, uniform between its limits and of either sign; yaw errs most of all turns.
+std::string NoiseText(const OdometryOptions& o) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const double scale = std::sqrt(
+      (o.scale_min * o.scale_min + o.scale_min * o.scale_max + o.scale_max * o.scale_max) / 3.0);
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "    odometry_noise: {step: %.3f, per_metre: %.4f, scale: %.4f, step_deg: %.2f, "
+                "per_turn: %.3f, per_metre_deg: %.2f}\n",
+                o.step_sigma, o.forward_sigma, scale, o.tilt_sigma / kDegree, o.turn_sigma,
+                (o.yaw_sigma + o.yaw_drift_max) / kDegree);
+  return text;
+}
+
 std::string RobotText(const SimulatedRobot& robot, const std::string& folder, const Given& given) {
   return "  - name: " + robot.name + "\n    scans: " + folder +
          "scans/scan*.ply\n    odometry: " + folder + "odometry.tum\n" +
+         NoiseText(robot.odometry_options) +
          (given.start && robot.start ? StartText(*robot.start) : "") +
          (given.gps ? GpsKeys(folder) : "") + "    reference: " + folder +
          "truth.tum   # for evaluation alone\n";

@@ -38,6 +38,7 @@ Eigen::MatrixXd ToTangent(BlockKind kind, const double* block, const RowMajorMat
     Sim3Manifold().PlusJacobian(block, plus.data());
     return ambient * plus;
   }
+  if (kind == BlockKind::kScale) return ambient;
   Eigen::Matrix<double, kPlaneSize, kPlaneTangent, Eigen::RowMajor> plus;
   PlaneManifold().PlusJacobian(block, plus.data());
   return ambient * plus;
@@ -71,6 +72,7 @@ void Assembly::SetBlocks(const Graph& graph) {
   for (std::size_t m = 0; m < graph.maps.size(); ++m) {
     MapToBlock(graph.maps[m].world_from_map, MapBlock(static_cast<int>(m)));
   }
+  for (const ScaleNode& node : graph.scales) scales_.push_back(node.scale);
 }
 
 void Assembly::AddPlanes(const Graph& graph, const SolveOptions& options) {
@@ -143,6 +145,7 @@ void Assembly::AddPoseFactors(const Graph& graph) {
     const ResidualTag tag{.pose_factor = k};
     std::vector<BlockRef> blocks;
     for (const int pose : factor.poses) blocks.push_back({BlockKind::kPose, pose});
+    if (factor.scale >= 0) blocks.push_back({BlockKind::kScale, factor.scale});
     Add(type.make_cost(factor), std::move(blocks), tag, 1.0);
   }
   AddMapFactors(graph);
@@ -202,6 +205,7 @@ ceres::LossFunction* Assembly::LossFor(double weight) {
 
 double* Assembly::Block(const BlockRef& block) {
   if (block.kind == BlockKind::kMap) return MapBlock(block.index);
+  if (block.kind == BlockKind::kScale) return ScaleBlock(block.index);
   return block.kind == BlockKind::kPose ? PoseBlock(block.index) : PlaneBlock(block.index);
 }
 
@@ -250,12 +254,14 @@ void Assembly::Store(Graph* graph) const {
   for (std::size_t m = 0; m < graph->maps.size(); ++m) {
     graph->maps[m].world_from_map = MapFromBlock(&maps_[kMapSize * m]);
   }
+  for (std::size_t s = 0; s < graph->scales.size(); ++s) graph->scales[s].scale = scales_[s];
 }
 
 Gauge GaugeFixed(const Graph& graph, bool count_priors) {
   Gauge gauge;
   for (const PoseNode& node : graph.poses) gauge.poses.push_back(node.fixed);
   for (const MapNode& node : graph.maps) gauge.maps.push_back(node.fixed);
+  gauge.scales.assign(graph.scales.size(), false);
   bool has_prior = false;
   for (const MapFactor& factor : graph.map_factors) {
     if (factor.maps.size() != 1) continue;

@@ -39,7 +39,8 @@ struct SwitchGroup {
 /// weight * rho', so that J^T J is the (first-order) information and J^T r the gradient.
 struct LinearizedResidual {
   Eigen::VectorXd residual;
-  std::vector<Eigen::MatrixXd> jacobians;  ///< residuals x 6 (pose), x 3 (plane) or x 7 (map)
+  std::vector<Eigen::MatrixXd>
+      jacobians;  ///< residuals x 6 (pose), x 3 (plane), x 7 (map), x 1 (scale)
   /// 2 rho'' |r|^2 / rho': what a robust loss takes from the second derivative of the cost along
   /// the residual, relative to that of the squared one; 0 or less.
   double radial_curvature = 0.0;
@@ -61,6 +62,7 @@ class Assembly final : public ResidualSink {
   double* PoseBlock(int index) { return &poses_[std::size_t(kPoseSize) * index]; }
   double* PlaneBlock(int index) { return &planes_[std::size_t(kPlaneSize) * index]; }
   double* MapBlock(int index) { return &maps_[std::size_t(kMapSize) * index]; }
+  double* ScaleBlock(int index) { return &scales_[std::size_t(index)]; }
 
   /// |r|^2 of a residual, and its weight times rho' in *weight, at the present values.
   double Chi2(const Residual& residual, double* weight);
@@ -86,7 +88,7 @@ class Assembly final : public ResidualSink {
   int GroupOf(const ResidualTag& tag) const;
 
   const Graph& graph_;
-  std::vector<double> poses_, planes_, maps_;
+  std::vector<double> poses_, planes_, maps_, scales_;
   std::vector<Residual> residuals_;
   bool plane_blocks_ = false;
   PresentLoss present_;
@@ -101,7 +103,7 @@ class Assembly final : public ResidualSink {
 
 /// What the gauge holds.
 struct Gauge {
-  std::vector<bool> poses, maps;
+  std::vector<bool> poses, maps, scales;  ///< scales: none is held
 };
 /// Poses and maps that are fixed; the first pose where nothing is, and (unless `count_priors` is
 /// false) no prior holds the graph either. Without priors, maps that had one are held.

@@ -60,7 +60,7 @@ class GraphCovariance::Implementation {
         linear_(LinearizeGraph(graph, options)),
         groups_(linear_) {
     // What is observed is asked of the stated noise: a threshold on geometry.
-    plane_information_ = std::make_unique<PoseInformation>(graph.poses.size());
+    plane_information_ = std::make_unique<PoseInformation>(NodeNumbers(graph));
     AddAllPlaneInformation(linear_, plane_information_.get());
     planes_ = std::make_unique<PoseSystem>(*plane_information_, GaugeFixed(graph, false));
     if (covariance_options.noise == CovarianceNoise::kResiduals && HasPlanes(options)) {
@@ -92,13 +92,24 @@ class GraphCovariance::Implementation {
   }
 
   Matrix7d MapCovariance(int map) const {
-    const int node = static_cast<int>(graph_.poses.size()) + map;
-    return Symmetric(all_->Covariance(node, node));
+    const int node = NodeNumbers(graph_).Of({BlockKind::kMap, map});
+    Matrix7d covariance = Symmetric(all_->Covariance(node, node));
+    for (int k = 0; k < 7; ++k) {
+      if (covariance(k, k) <= all_->InfiniteVariance(node, k)) continue;
+      covariance.row(k).setConstant(kNotANumber);
+      covariance.col(k).setConstant(kNotANumber);
+    }
+    return covariance;
+  }
+
+  double ScaleVariance(int scale) const {
+    const int node = NodeNumbers(graph_).Of({BlockKind::kScale, scale});
+    return all_->Covariance(node, node)(0, 0);
   }
 
   // What the observations alone leave, and what of the poses' errors goes through.
   Matrix3d PlaneCovariance(int plane) const {
-    const PoseInformation nodes(graph_.poses.size());
+    const PoseInformation nodes{NodeNumbers(graph_)};
     const PlaneElimination elimination = EliminatePlane(groups_.Residuals(plane), nodes, plane);
     if (!elimination.determined) return Matrix3d::Constant(kNotANumber);
     Matrix3d covariance = elimination.covariance;
@@ -152,11 +163,12 @@ class GraphCovariance::Implementation {
 
   void SetByResiduals() {
     ApplyLossCurvature(&linear_);
-    PoseInformation information(graph_.poses.size());
+    const NodeNumbers numbers(graph_);
+    PoseInformation information(numbers);
     AddAllPlaneInformation(linear_, &information);
     all_ = AllSystem(std::move(information));
-    SetResidualScatter(*all_, graph_.poses.size(), &linear_);
-    all_->SetScatter(ScoreScatter(linear_, graph_.poses.size()));
+    SetResidualScatter(*all_, numbers, &linear_);
+    all_->SetScatter(ScoreScatter(linear_, numbers));
   }
 
   // The largest of the motion's sigmas over the nodes that share it: over so many of them at most.
@@ -172,7 +184,7 @@ class GraphCovariance::Implementation {
       const bool rotation = motion->kind == MotionKind::kRotation;
       // Where the gauge holds both, each is the world of its own part.
       const bool infinite =
-          variance > InfiniteVariance(*all_, quantity, rotation) || variance <= 0.0;
+          !(variance <= InfiniteVariance(*all_, quantity, rotation) && variance > 0.0);
       const double sigma = infinite ? kInfinity : std::sqrt(variance);
       if (sigma <= motion->sigma) continue;
       motion->sigma = sigma;
@@ -218,7 +230,7 @@ class GraphCovariance::Implementation {
     const VectorXd response = all_->Solve(gradient);
     const double variance = all_->CovarianceOf(gradient)(0, 0);
     UnobservedDirection result{direction, kInfinity, ""};
-    if (variance > InfiniteVariance(*all_, quantity, rotation)) return result;
+    if (!(variance <= InfiniteVariance(*all_, quantity, rotation))) return result;
     result.sigma = std::sqrt(std::max(variance, 0.0));
     result.held_by = HolderOf(graph_, linear_, *all_, response);
     return result;
@@ -269,6 +281,8 @@ MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources)
 }
 
 Matrix7d GraphCovariance::Map(int map) const { return implementation_->MapCovariance(map); }
+
+double GraphCovariance::Scale(int scale) const { return implementation_->ScaleVariance(scale); }
 
 Matrix3d GraphCovariance::Plane(int plane) const { return implementation_->PlaneCovariance(plane); }
 

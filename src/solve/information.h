@@ -9,20 +9,30 @@
 
 namespace planegraph {
 
-/// What two nodes (poses of six dimensions, maps of seven) have in common; no heap.
+/// What two nodes (poses of six dimensions, maps of seven, scales of one) have in common; no heap.
 using NodeBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
 
-/// A symmetric matrix over the nodes of a graph, its poses first, then its maps; upper blocks (row
-/// <= column) only.
+/// The nodes of a graph: its poses first, then its maps, then its scales.
+class NodeNumbers {
+ public:
+  explicit NodeNumbers(const Graph& graph)
+      : poses_(static_cast<int>(graph.poses.size())), maps_(static_cast<int>(graph.maps.size())) {}
+  /// The node of a pose's, a map's or a scale's block.
+  int Of(const BlockRef& block) const {
+    if (block.kind == BlockKind::kPose) return block.index;
+    return (block.kind == BlockKind::kMap ? poses_ : poses_ + maps_) + block.index;
+  }
+
+ private:
+  int poses_, maps_;
+};
+
+/// A symmetric matrix over the nodes of a graph; upper blocks (row <= column) only.
 class PoseInformation {
  public:
-  explicit PoseInformation(std::size_t pose_count) : pose_count_(static_cast<int>(pose_count)) {}
+  explicit PoseInformation(const NodeNumbers& numbers) : numbers_(numbers) {}
 
-  int pose_count() const { return pose_count_; }
-  /// The node of a pose's or a map's block.
-  int NodeOf(const BlockRef& block) const {
-    return block.kind == BlockKind::kMap ? pose_count_ + block.index : block.index;
-  }
+  int NodeOf(const BlockRef& block) const { return numbers_.Of(block); }
   /// Adds `block` at (row, column), or its transpose where that is the lower half. A diagonal block
   /// is taken as it is.
   void Add(int row, int column, const NodeBlock& block);
@@ -31,11 +41,12 @@ class PoseInformation {
   const std::map<std::pair<int, int>, NodeBlock>& blocks() const { return blocks_; }
 
  private:
-  int pose_count_;
+  NodeNumbers numbers_;
   std::map<std::pair<int, int>, NodeBlock> blocks_;
 };
 
-/// A factor of poses or maps, linearized: its Jacobians by the world perturbations of its nodes.
+/// A factor of poses, maps or scales, linearized: its Jacobians by the world perturbations of its
+/// nodes.
 struct LinearizedPoseFactor {
   ResidualTag tag;
   std::vector<BlockRef> blocks;

@@ -44,8 +44,9 @@ bool Concerns(const PlaneResidual& residual, const Pair& pair) {
 // The information of a pair alone does not change when both move together: the block of one pose,
 // the other held, says all. Pairs are kept with the second (larger) pose's block in world axes, the
 // first held.
-void AddPlane(const PlaneLandmark& plane, const std::vector<PlaneResidual>& residuals,
-              bool plane_blocks, std::map<Pair, Matrix6d>* wanted) {
+void AddPlane(const NodeNumbers& numbers, const PlaneLandmark& plane,
+              const std::vector<PlaneResidual>& residuals, bool plane_blocks,
+              std::map<Pair, Matrix6d>* wanted) {
   const std::set<int> poses = PosesOf(plane);
   const std::vector<Pair> pairs = PairsOf(poses, *wanted);
   if (pairs.empty()) return;
@@ -55,19 +56,20 @@ void AddPlane(const PlaneLandmark& plane, const std::vector<PlaneResidual>& resi
     for (const PlaneResidual& residual : residuals) {
       if (Concerns(residual, pair)) concerned.push_back(&residual);
     }
-    PoseInformation information(static_cast<std::size_t>(*poses.rbegin()) + 1);
+    PoseInformation information(numbers);
     AddPlaneInformation(concerned, plane_blocks ? share : 1.0, &information);
     (*wanted)[pair] += information.Diagonal(pair.second);
   }
 }
 
-void AddPoseFactors(const LinearizedGraph& linear, std::map<Pair, Matrix6d>* wanted) {
+void AddPoseFactors(const NodeNumbers& numbers, const LinearizedGraph& linear,
+                    std::map<Pair, Matrix6d>* wanted) {
   for (const LinearizedPoseFactor& factor : linear.pose_factors) {
     if (factor.blocks.size() < 2 || factor.tag.pose_factor < 0) continue;
     const Pair pair = Ordered({factor.blocks[0].index, factor.blocks[1].index});
     const auto found = wanted->find(pair);
     if (found == wanted->end()) continue;
-    PoseInformation information(static_cast<std::size_t>(pair.second) + 1);
+    PoseInformation information(numbers);
     AddPoseFactorInformation(factor, &information);
     found->second += information.Diagonal(pair.second);
   }
@@ -116,15 +118,16 @@ Matrix6d G2oAxes(const Rigid3& target_from_source) {
 std::vector<MarginalEdge> MarginalEdges(const Graph& graph, const std::vector<Pair>& pairs,
                                         const SolveOptions& options) {
   CheckGraph(graph);
+  const NodeNumbers numbers(graph);
   const LinearizedGraph linear = LinearizeGraph(graph, options);
   const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
   const bool plane_blocks = type.plane_blocks || !type.linearized_as.empty();
   std::map<Pair, Matrix6d> wanted;
   for (const Pair& pair : pairs) wanted[Ordered(pair)] = Matrix6d::Zero();
   for (std::size_t k = 0; k < graph.planes.size(); ++k) {
-    AddPlane(graph.planes[k], linear.planes[k], plane_blocks, &wanted);
+    AddPlane(numbers, graph.planes[k], linear.planes[k], plane_blocks, &wanted);
   }
-  AddPoseFactors(linear, &wanted);
+  AddPoseFactors(numbers, linear, &wanted);
   std::vector<MarginalEdge> edges;
   for (const Pair& pair : pairs) edges.push_back(MakeEdge(graph, pair, wanted[Ordered(pair)]));
   return edges;

@@ -164,8 +164,8 @@ void Finder::AddOpen(int node, MotionKind kind, const Matrix3d& covariance,
     ++found.dimension;
   }
   if (found.dimension == 0) return;
-  const bool infinite =
-      solver.eigenvalues()[2] > system_->InfiniteVariance(node, kind == MotionKind::kRotation);
+  const bool infinite = solver.eigenvalues()[2] >
+                        system_->InfiniteVariance(node, kind == MotionKind::kRotation ? 3 : 0);
   found.sigma = infinite ? kInfinity : std::sqrt(solver.eigenvalues()[2]);
   open->push_back(found);
 }

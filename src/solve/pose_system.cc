@@ -47,10 +47,13 @@ PoseSystem::PoseSystem(const PoseInformation& information, const Gauge& gauge) :
 void PoseSystem::PlaceNodes(const PoseInformation& information, const Gauge& gauge) {
   std::vector<bool> fixed = gauge.poses;
   fixed.insert(fixed.end(), gauge.maps.begin(), gauge.maps.end());
-  for (std::size_t k = 0; k < fixed.size(); ++k) {
-    const int dimension = k < gauge.poses.size() ? kPoseTangent : kMapTangent;
-    first_row_.push_back(first_row_.back() + dimension);
-  }
+  fixed.insert(fixed.end(), gauge.scales.begin(), gauge.scales.end());
+  const auto place = [&](std::size_t count, int dimension) {
+    for (; count > 0; --count) first_row_.push_back(first_row_.back() + dimension);
+  };
+  place(gauge.poses.size(), kPoseTangent);
+  place(gauge.maps.size(), kMapTangent);
+  place(gauge.scales.size(), 1);
   const int nodes = static_cast<int>(fixed.size());
   place_.assign(fixed.size(), -1);
   rank_.assign(fixed.size(), -1);
@@ -68,6 +71,10 @@ void PoseSystem::SetScale(const PoseInformation& information) {
     const int at = place_[key.first];
     if (key.first != key.second || at < 0) continue;
     const Eigen::VectorXd diagonal = block.diagonal();
+    if (diagonal.size() == 1) {
+      scale_[at] = UnitScale(3.0 * diagonal[0]);
+      continue;
+    }
     scale_.segment<3>(at).setConstant(UnitScale(diagonal.head<3>().sum()));
     scale_.segment<3>(at + 3).setConstant(UnitScale(diagonal.segment<3>(3).sum()));
     if (diagonal.size() > 6) scale_[at + 6] = UnitScale(3.0 * diagonal[6]);
@@ -168,9 +175,9 @@ MatrixXd PoseSystem::CovarianceOf(const MatrixXd& gradients) const {
   return response.transpose() * (scatter_.selfadjointView<Eigen::Lower>() * response);
 }
 
-double PoseSystem::InfiniteVariance(int node, bool rotation) const {
+double PoseSystem::InfiniteVariance(int node, int row) const {
   if (place_[node] < 0) return INFINITY;
-  const double scale = scale_[place_[node] + (rotation ? 3 : 0)];
+  const double scale = scale_[place_[node] + row];
   return kInfinite * scale * scale;
 }
 

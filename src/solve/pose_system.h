@@ -19,10 +19,10 @@ class PoseSystem {
   PoseSystem(const PoseInformation& information, const Gauge& gauge);
 
   bool Fixed(int pose) const { return place_[pose] < 0; }
-  /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, then 7 per map, zero for
-  /// what the gauge holds.
+  /// Solves information * x = rhs. Rows of both: 6 per pose of the graph, then 7 per map, then 1
+  /// per scale; zero for what the gauge holds.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs) const;
-  /// The block of information^-1 of two nodes (poses, then maps), zero where the gauge holds one.
+  /// The block of information^-1 of two nodes, zero where the gauge holds one.
   /// At no cost where they have a plane or a factor in common, or where the elimination has tied
   /// them.
   Eigen::MatrixXd Block(int row, int column) const;
@@ -34,9 +34,9 @@ class PoseSystem {
   Eigen::MatrixXd Covariance(int row, int column) const;
   /// The covariance of quantities by their gradients, one a column.
   Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& gradients) const;
-  /// The variance (m^2 for the translation, rad^2 for the rotation) from which a direction of the
-  /// node counts as not observed at all.
-  double InfiniteVariance(int node, bool rotation) const;
+  /// The variance (m^2 of a translation, rad^2 of a rotation, by the row) from which a direction of
+  /// the node counts as not observed at all.
+  double InfiniteVariance(int node, int row) const;
   int rows() const { return first_row_.back(); }
   int FirstRow(int node) const { return first_row_[node]; }
   int Dimension(int node) const { return first_row_[node + 1] - first_row_[node]; }

@@ -50,7 +50,7 @@ MatrixXd CovarianceOf(const PoseSystem& system, const Quantity& quantity) {
 double InfiniteVariance(const PoseSystem& system, const Quantity& quantity, bool rotation) {
   double limit = std::numeric_limits<double>::infinity();
   for (const auto& [node, derivative] : quantity) {
-    limit = std::min(limit, system.InfiniteVariance(node, rotation));
+    limit = std::min(limit, system.InfiniteVariance(node, rotation ? 3 : 0));
   }
   return limit;
 }
@@ -59,13 +59,12 @@ double InfiniteVariance(const PoseSystem& system, const Quantity& quantity, bool
 // share in holding the direction.
 std::string HolderOf(const Graph& graph, const LinearizedGraph& linear, const PoseSystem& system,
                      const VectorXd& response) {
-  const auto poses = static_cast<int>(graph.poses.size());
+  const NodeNumbers numbers(graph);
   std::map<std::string, double> shares;
   for (const LinearizedPoseFactor& factor : linear.pose_factors) {
     VectorXd moved = VectorXd::Zero(factor.jacobians[0].rows());
     for (std::size_t k = 0; k < factor.blocks.size(); ++k) {
-      const BlockRef& block = factor.blocks[k];
-      const int node = block.kind == BlockKind::kMap ? poses + block.index : block.index;
+      const int node = numbers.Of(factor.blocks[k]);
       moved +=
           factor.jacobians[k] * response.segment(system.FirstRow(node), factor.jacobians[k].cols());
     }

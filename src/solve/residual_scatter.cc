@@ -135,16 +135,16 @@ class GroupLeverage {
 
 using PlaneVariances = std::vector<std::map<Component, Variance>>;
 
-PlaneVariances MeasureVariances(const PoseSystem& system, std::size_t pose_count,
+PlaneVariances MeasureVariances(const PoseSystem& system, const NodeNumbers& numbers,
                                 const LinearizedGraph& linear) {
   const PlaneGroups groups(linear);
-  const PoseInformation numbers(pose_count);
+  const PoseInformation nodes(numbers);
   PlaneVariances variances(linear.planes.size());
   for (int k = 0; k < static_cast<int>(linear.planes.size()); ++k) {
     if (!groups.IsFirst(k)) continue;
     const auto residuals = groups.Residuals(k);
     if (residuals.empty()) continue;
-    const GroupLeverage leverage(residuals, system, numbers);
+    const GroupLeverage leverage(residuals, system, nodes);
     for (const PlaneResidual* residual : residuals) {
       if (TellsItsNoise(*residual)) leverage.Add(*residual, &variances[residual->tag.plane]);
     }
@@ -208,8 +208,9 @@ void ApplyLossCurvature(LinearizedGraph* linear) {
   });
 }
 
-void SetResidualScatter(const PoseSystem& system, std::size_t pose_count, LinearizedGraph* linear) {
-  const auto factors = Factors(MeasureVariances(system, pose_count, *linear));
+void SetResidualScatter(const PoseSystem& system, const NodeNumbers& numbers,
+                        LinearizedGraph* linear) {
+  const auto factors = Factors(MeasureVariances(system, numbers, *linear));
   ForEachResidual(linear, [&](PlaneResidual& residual) {
     const Index rows = residual.linear.residual.size();
     residual.scatter.resize(rows);
@@ -222,8 +223,8 @@ void SetResidualScatter(const PoseSystem& system, std::size_t pose_count, Linear
   });
 }
 
-PoseInformation ScoreScatter(const LinearizedGraph& linear, std::size_t pose_count) {
-  PoseInformation scatter(pose_count);
+PoseInformation ScoreScatter(const LinearizedGraph& linear, const NodeNumbers& numbers) {
+  PoseInformation scatter(numbers);
   const PlaneGroups groups(linear);
   for (int k = 0; k < static_cast<int>(linear.planes.size()); ++k) {
     if (!groups.IsFirst(k)) continue;

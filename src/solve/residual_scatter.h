@@ -26,9 +26,10 @@ void ApplyLossCurvature(LinearizedGraph* linear);
 /// (nu + 2). That holds for a component over all landmarks, and for the whole with Satterthwaite's
 /// degrees of freedom of the sum over landmarks. A landmark with less than one degree of freedom
 /// of its own takes what is missing to one from all others.
-void SetResidualScatter(const PoseSystem& system, std::size_t pose_count, LinearizedGraph* linear);
+void SetResidualScatter(const PoseSystem& system, const NodeNumbers& numbers,
+                        LinearizedGraph* linear);
 
 /// The scatter of all scores, those of the pose factors as stated.
-PoseInformation ScoreScatter(const LinearizedGraph& linear, std::size_t pose_count);
+PoseInformation ScoreScatter(const LinearizedGraph& linear, const NodeNumbers& numbers);
 
 }  // namespace planegraph

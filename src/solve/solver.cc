@@ -27,10 +27,11 @@ struct Manifolds {
 };
 
 struct BlockUse {
-  std::vector<bool> poses, planes, maps;  // named by a residual
+  std::vector<bool> poses, planes, maps, scales;  // named by a residual
 
   std::vector<bool>& Of(BlockKind kind) {
     if (kind == BlockKind::kMap) return maps;
+    if (kind == BlockKind::kScale) return scales;
     return kind == BlockKind::kPose ? poses : planes;
   }
 };
@@ -47,7 +48,7 @@ ceres::Problem::Options CheapProblem() {
 
 BlockUse FindUsedBlocks(const Graph& graph, const Assembly& assembly) {
   BlockUse use{std::vector<bool>(graph.poses.size()), std::vector<bool>(graph.planes.size()),
-               std::vector<bool>(graph.maps.size())};
+               std::vector<bool>(graph.maps.size()), std::vector<bool>(graph.scales.size())};
   for (const Residual& residual : assembly.residuals()) {
     for (const BlockRef& block : residual.blocks) use.Of(block.kind)[block.index] = true;
   }
@@ -81,6 +82,9 @@ void AddBlocks(const Graph& graph, const BlockUse& use, const Gauge& gauge, Mani
     problem->AddParameterBlock(assembly->MapBlock(m), kMapSize, &manifolds->map);
     if (gauge.maps[m]) problem->SetParameterBlockConstant(assembly->MapBlock(m));
   }
+  for (int s = 0; s < static_cast<int>(graph.scales.size()); ++s) {
+    if (use.scales[s]) problem->AddParameterBlock(assembly->ScaleBlock(s), 1);
+  }
 }
 
 void AddResiduals(Assembly* assembly, ceres::Problem* problem) {
@@ -93,8 +97,8 @@ void AddResiduals(Assembly* assembly, ceres::Problem* problem) {
 
 ceres::LinearSolverType ChooseSolver(const Graph& graph, const Assembly& assembly,
                                      LinearSolver wanted) {
-  // What ties two planes: they cannot all be eliminated one by one.
-  const bool tied = !graph.plane_factors.empty();
+  // What ties two planes: they cannot all be eliminated one by one. Without planes nothing can.
+  const bool tied = !graph.plane_factors.empty() || graph.planes.empty();
   if (!assembly.plane_blocks() || tied || wanted == LinearSolver::kSparseCholesky) {
     return ceres::SPARSE_NORMAL_CHOLESKY;
   }
@@ -117,6 +121,9 @@ std::shared_ptr<ceres::ParameterBlockOrdering> PlanesFirst(const Graph& graph, c
     // A group of their own: Ceres orders a group's blocks by their addresses, and where maps lie
     // relative to poses is the heap's business, different from run to run.
     if (use.maps[m]) ordering->AddElementToGroup(assembly->MapBlock(m), 2);
+  }
+  for (int s = 0; s < static_cast<int>(graph.scales.size()); ++s) {
+    if (use.scales[s]) ordering->AddElementToGroup(assembly->ScaleBlock(s), 3);
   }
   return ordering;
 }

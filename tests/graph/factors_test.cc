@@ -22,8 +22,10 @@ const ceres::Manifold& ManifoldOf(BlockKind kind) {
   static const Se3Manifold pose;
   static const PlaneManifold plane;
   static const Sim3Manifold map;
+  static const ceres::EuclideanManifold<1> scale;
   if (kind == BlockKind::kPose) return pose;
   if (kind == BlockKind::kMap) return map;
+  if (kind == BlockKind::kScale) return scale;
   return plane;
 }
 
@@ -40,10 +42,12 @@ VectorXd Evaluate(const FactorSample& sample, std::size_t block, const VectorXd&
 
 // Whether a tangent's column is a length, and where the lengths of a block's values begin and end.
 bool IsLength(BlockKind kind, int column) {
+  if (kind == BlockKind::kScale) return false;
   return kind == BlockKind::kPlane ? column == 2 : column < 3;
 }
 std::pair<std::size_t, std::size_t> Lengths(BlockKind kind) {
   if (kind == BlockKind::kPlane) return {3, 4};
+  if (kind == BlockKind::kScale) return {0, 0};
   return {4, 7};
 }
 

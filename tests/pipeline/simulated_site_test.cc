@@ -1,8 +1,11 @@
 // Simulated sites with a drone, as the site reader sees them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "io/test_files.h"
 #include "planegraph/pipeline/site.h"
+#include "planegraph/simulation/odometry.h"
 #include "planegraph/simulation/simulation.h"
 
 namespace planegraph {
@@ -47,6 +50,30 @@ TEST_F(SimulatedQuarter, HasTwoRobotsWithStartsAndAMap) {
        {site.maps[0].cloud, site.maps[0].cameras, site.maps[0].gps, site.maps[0].image_times}) {
     EXPECT_TRUE(std::filesystem::is_regular_file(file)) << file;
   }
+}
+
+// Squared errors of steps straight ahead by the variance that the site file makes of them: of one
+// step, and of the way of twenty, whose common error grows with it.
+TEST_F(SimulatedQuarter, StatesWhatItsOdometryErrsBy) {
+  constexpr int kRuns = 400, kSteps = 20;
+  const OdometryNoise noise = ReadSite(Path("site/site.yaml")).robots[0].odometry_noise;
+  std::vector<Rigid3> truth(kSteps + 1);
+  for (int k = 0; k <= kSteps; ++k) truth[k].translation.x() = 3.0 * k;
+  OdometryOptions straight;  // no turn, which would show as length on the way
+  straight.yaw_drift_min = straight.yaw_drift_max = straight.yaw_sigma = straight.tilt_sigma = 0.0;
+  const double own = std::pow(noise.step + 3.0 * noise.per_metre, 2);
+  const auto variance = [&](int n) { return n * own + std::pow(3.0 * n * noise.scale, 2); };
+  double one = 0.0, all = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Random random(static_cast<std::uint64_t>(run), 0);
+    const auto odometry = SimulateOdometry(truth, straight, &random);
+    one += std::pow(odometry[1].translation.x() - 3.0, 2) / variance(1) / kRuns;
+    all += std::pow(odometry[kSteps].translation.x() - 3.0 * kSteps, 2) / variance(kSteps) / kRuns;
+  }
+  // Four standard deviations of the mean of so many squares of normal numbers.
+  const double band = 4.0 * std::sqrt(2.0 / kRuns);
+  EXPECT_NEAR(one, 1.0, band);
+  EXPECT_NEAR(all, 1.0, band);
 }
 
 TEST_F(SimulatedQuarter, TheOtherSiteFilesLeaveThingsOut) {

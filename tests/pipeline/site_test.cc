@@ -90,6 +90,26 @@ maps:
   EXPECT_FALSE(ReadSite(Write("b.yaml", "robots: [{name: a, scans: scans}]")).origin.has_value());
 }
 
+TEST_F(SiteFile, ReadsWhatAnOdometryErrsBy) {
+  const std::string robot = "robots:\n  - name: a\n    scans: scans\n    ";
+  const OdometryNoise usual;
+  const OdometryNoise noise =
+      ReadSite(Write("site.yaml", robot + "odometry_noise: {step: 0.5, scale: 0, per_turn: 0.2, "
+                                          "step_deg: 18}\n"))
+          .robots[0]
+          .odometry_noise;
+  EXPECT_EQ(noise.step, 0.5);
+  EXPECT_EQ(noise.scale, 0.0);
+  EXPECT_EQ(noise.per_turn, 0.2);
+  EXPECT_NEAR(noise.step_rotation, std::numbers::pi / 10, 1e-15);
+  EXPECT_EQ(noise.per_metre, usual.per_metre);
+  EXPECT_EQ(noise.rotation_per_metre, usual.rotation_per_metre);
+  ExpectError(robot + "odometry_noise: {step: 0}\n", "4", "step must be positive");
+  ExpectError(robot + "odometry_noise: {scale: -0.1}\n", "4", "scale must be");
+  ExpectError(robot + "odometry_noise: {per_metre: .inf}\n", "4", "per_metre must be");
+  ExpectError(robot + "odometry_noise: {metres: 1}\n", "4", "'metres'");
+}
+
 TEST_F(SiteFile, ReadsReceiversAndGravity) {
   Write("odometry.tum", "1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0 1\n3.5 2 0 0 0 0 0 1\n");
   Write("gps.csv", "time,lat,lon,alt\n1,51.5,7.5,100\n4,51.5,7.5,100\n");

@@ -71,6 +71,14 @@ Eigen::MatrixXd DenseCovariance(const Graph& graph) {
   return information.completeOrthogonalDecomposition().pseudoInverse();
 }
 
+TEST(MapCovariance, OfAMapThatNothingHoldsIsUnknown) {
+  Graph graph = WorldWithMap(1, kMap);
+  graph.maps.push_back({"alone", kMap});
+  const GraphCovariance covariance(graph);
+  EXPECT_TRUE(covariance.Map(0).allFinite());
+  EXPECT_TRUE(covariance.Map(1).array().isNaN().all());
+}
+
 TEST(MapCovariance, IsThatOfTheDensePseudoInverse) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Graph graph = WorldWithMap(seed, kMap);

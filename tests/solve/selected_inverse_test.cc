@@ -102,7 +102,7 @@ TEST(SelectedInverse, ItsBlocksAreThoseOfASolve) {
     });
   }
   std::erase_if(graph.planes, [](const auto& plane) { return plane.observations.empty(); });
-  PoseInformation information(graph.poses.size());
+  PoseInformation information{NodeNumbers(graph)};
   AddAllPlaneInformation(LinearizeGraph(graph, {}), &information);
   const PoseSystem system(information, GaugeFixed(graph, true));
   EXPECT_TRUE(system.Block(0, 3).isZero(0.0));  // held

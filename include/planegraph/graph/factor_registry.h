@@ -15,9 +15,9 @@
 namespace planegraph {
 
 /// The kinds of parameter blocks; each has a manifold (graph/manifolds.h).
-enum class BlockKind { kPose, kPlane, kMap };
+enum class BlockKind { kPose, kPlane, kMap, kScale };
 
-/// One parameter block of the problem: the pose, plane or map of that index in the graph.
+/// One parameter block of the problem: the pose, plane, map or scale of that index in the graph.
 struct BlockRef {
   BlockKind kind = BlockKind::kPose;
   int index = 0;
@@ -92,7 +92,7 @@ struct FactorType {
   std::function<void(const Graph& graph, int index, const FactorOptions& options,
                      ResidualSink* sink)>
       add_plane;
-  /// Pose kind: the cost over the blocks of factor.poses, in that order.
+  /// Pose kind: the cost over the blocks of factor.poses, in that order, then of its scale.
   std::function<std::unique_ptr<ceres::CostFunction>(const PoseFactor& factor)> make_cost;
   /// Plane kind: how steps are applied to a plane's block; null: PlaneManifold.
   std::function<std::unique_ptr<ceres::Manifold>(const PlaneLandmark& plane,

@@ -30,6 +30,13 @@ struct MapNode {
   bool fixed = false;  ///< held by the gauge
 };
 
+/// A scale that measurements have in common, say the metres that a metre of a robot's odometry is
+/// (the radius of its wheels is never quite known). One parameter, about 1.
+struct ScaleNode {
+  std::string id;
+  double scale = 1.0;
+};
+
 /// A plane segment seen from one pose, or in one map, reduced to what the factors need. All of it
 /// in the node's frame.
 struct PlaneObservation {
@@ -71,10 +78,13 @@ struct PlaneLandmark {
 /// target_from_source; for `pose_prior`: one pose, measurement world_from_node. For
 /// `robot_position`: `point` is the antenna in the scan's frame, the measurement's translation
 /// where it was; for `gravity`: `point` is the direction upwards in the scan's frame, the
-/// measurement's translation that in the world.
+/// measurement's translation that in the world. For `odometry_step`: as `relative_pose`, the
+/// measured translation times Graph::scales[scale]. For `scale_prior`: no pose, the scale is
+/// `point.x()` by an information of its own in the upper left.
 struct PoseFactor {
   std::string type = "relative_pose";
   std::vector<int> poses;
+  int scale = -1;  ///< index in Graph::scales; -1: none
   Rigid3 measurement;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   /// 6x6, order x y z rx ry rz of the decoupled left perturbation in the target's (world's) axes,
@@ -88,6 +98,8 @@ struct PoseFactor {
 
 PoseFactor MakeRelativePose(int target, int source, const Rigid3& target_from_source,
                             const Matrix6d& information, const std::string& measured_by);
+/// A `scale_prior` of the odometry.
+PoseFactor MakeScalePrior(int scale, double value, double sigma);
 PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d& information);
 
 /// A measurement of one map, or between two. For `camera_position`: the map and one of its cameras,
@@ -118,6 +130,7 @@ struct PlaneFactor {
 struct Graph {
   std::vector<PoseNode> poses;
   std::vector<MapNode> maps;
+  std::vector<ScaleNode> scales;
   std::vector<PlaneLandmark> planes;
   std::vector<PlaneFactor> plane_factors;
   std::vector<PoseFactor> pose_factors;

@@ -11,11 +11,16 @@ struct OdometryStep {
   std::size_t target = 0, source = 0;
   Rigid3 target_from_source;
   Matrix6d covariance = Matrix6d::Identity();
+  std::size_t robot = 0;
+  double sigma_scale = 0.0;  ///< of the length, an error that all steps of the robot have in common
+
+  /// What the step errs by on its own: the covariance without the common part.
+  Matrix6d OwnCovariance() const;
 };
 
-/// What a tracked or wheeled robot's odometry is worth: it errs with the way and with the turn
-/// (ALGORITHMS 6.6). CalibrateOdometry widens it to what the registrations say.
-Matrix6d OdometryCovariance(const Rigid3& target_from_source);
+/// What an odometry is worth: it errs with the way and with the turn. CalibrateOdometry widens it
+/// to what the registrations say.
+Matrix6d OdometryCovariance(const Rigid3& target_from_source, const OdometryNoise& noise = {});
 
 /// The odometry steps between consecutive scans of each robot, in the order of the scans.
 std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<ScanRecord>& scans);
@@ -43,6 +48,13 @@ struct OdometryScatter {
 /// they say: a robust estimate, one factor for translation and one for rotation. With fewer than
 /// three steps to compare the covariances stay what is usual.
 OdometryScatter CalibrateOdometry(const std::vector<PairRecord>& chain,
+                                  std::vector<OdometryStep>* steps);
+
+/// The metres of a metre of each robot's odometry, by the used registrations along what they
+/// observe and the prior OdometryStep::sigma_scale about 1; the steps are scaled by it. A
+/// registration that contradicts its step has no say. By robot; 1 where there is nothing to
+/// compare.
+std::vector<double> ScaleOdometry(const std::vector<PairRecord>& chain, std::size_t robots,
                                   std::vector<OdometryStep>* steps);
 
 /// Registrations of consecutive scans again, now that it is known what the odometry is worth:

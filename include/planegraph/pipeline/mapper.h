@@ -69,7 +69,9 @@ struct MapResult {
   Site site;
   std::vector<ScanRecord> scans;
   std::vector<PairRecord> pairs;
-  std::vector<OdometryStep> odometry;
+  std::vector<OdometryStep> odometry;         ///< scaled by odometry_scales
+  std::vector<double> odometry_scales;        ///< by robot, true metres in a metre of its odometry
+  std::vector<double> odometry_scale_sigmas;  ///< by robot; empty without the covariance
   std::vector<MapRecord> maps;
   std::vector<MapPairRecord> map_pairs;
   std::vector<RobotPosition> robot_positions;  ///< by GPS, world

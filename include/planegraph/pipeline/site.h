@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,13 +32,27 @@ struct GravityPrior {
   double sigma = 0.0087;  ///< radians
 };
 
+/// What a robot's odometry errs by from one scan to the next, standard deviations: of each axis of
+/// the translation step + per_metre * length, of the rotation about each axis step_rotation +
+/// per_turn * angle + rotation_per_metre * length; besides, all lengths are off by one factor
+/// 1 + scale. The defaults are those of a tracked robot (ALGORITHMS 6.6): 5 % of the way in all.
+struct OdometryNoise {
+  double step = 0.02;  ///< metres
+  double per_metre = 0.04;
+  double scale = 0.03;                                  ///< relative
+  double step_rotation = 0.5 * std::numbers::pi / 180;  ///< radians
+  double per_turn = 0.05;
+  double rotation_per_metre = 0.5 * std::numbers::pi / 180;  ///< radians per metre
+};
+
 /// A robot's scans in order, and what is known of its way.
 struct RobotSite {
   std::string name;
   std::vector<std::string> scans;  ///< files
   std::string format = "auto";
   std::optional<Trajectory> odometry;  ///< as many poses as scans
-  std::string odometry_file;           ///< that holds it; empty where .pose files do
+  OdometryNoise odometry_noise = {};
+  std::string odometry_file;  ///< that holds it; empty where .pose files do
   std::optional<StartPose> start;
   std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
   std::vector<FilterStep> filters;

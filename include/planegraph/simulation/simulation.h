@@ -39,9 +39,10 @@ struct SimulationOptions {
 struct SimulatedRobot {
   std::string name;
   std::vector<LabelledScan> scans;
-  std::vector<double> times;     ///< seconds, increasing
-  std::vector<Rigid3> truth;     ///< world_from_scan
-  std::vector<Rigid3> odometry;  ///< odometry_from_scan, the first identity
+  std::vector<double> times;         ///< seconds, increasing
+  std::vector<Rigid3> truth;         ///< world_from_scan
+  std::vector<Rigid3> odometry;      ///< odometry_from_scan, the first identity
+  OdometryOptions odometry_options;  ///< what it was made with
   /// Roughly where the first scan was taken (world_from_scan): level, and within 1 m on each axis
   /// and 10 degrees of heading. Present where there is a drone, which ties the world to the earth.
   std::optional<Rigid3> start;

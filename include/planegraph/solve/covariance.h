@@ -50,8 +50,11 @@ class GraphCovariance {
   /// Joint covariance of target_from_source for several sources, 6 rows each in their order; NaN as
   /// above.
   Eigen::MatrixXd Relatives(int target, const std::vector<int>& sources) const;
-  /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map.
+  /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map;
+  /// NaN as above.
   Matrix7d Map(int map) const;
+  /// Variance of Graph::scales[scale].
+  double Scale(int scale) const;
   /// Covariance of a plane in the tangent space of its landmark (the normal along the two columns
   /// of TangentBasis(normal), the offset from the anchor; radians and metres). NaN for a plane
   /// whose observations leave something of it open, or that is no unknown of the plane factor.
