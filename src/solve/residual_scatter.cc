@@ -25,9 +25,15 @@ constexpr double kLeastCurvature = 0.01;
 using Component = std::pair<Index, Index>;
 Component ComponentOf(Index rows, Index row) { return {rows, rows <= kMostComponents ? row : 0}; }
 
+// Sums over rows. What counts is the scatter of the nodes' scores, in which a row has the share of
+// its leverage on the nodes; where floors of the noise are too large, they are so for the rows of
+// many points, which have the most.
 struct Variance {
-  double squares = 0.0, redundancy = 0.0;  // of residuals
+  double squares = 0.0, redundancy = 0.0;  // of residuals, times the leverage
+  double spread = 0.0;                     // redundancy times the square of the leverage
   double leverage = 0.0;                   // on the nodes
+
+  double Freedom() const { return spread > 0.0 ? redundancy * redundancy / spread : 0.0; }
 };
 
 template <typename Function>
@@ -93,8 +99,10 @@ class GroupLeverage {
     const VectorXd on_planes = DiagonalOf(by_planes * group_.inverse(), by_planes);
     for (Index k = 0; k < left.size(); ++k) {
       Variance& variance = (*variances)[ComponentOf(left.size(), k)];
-      variance.squares += left[k] * left[k];
-      variance.redundancy += std::max(0.0, 1.0 - on_nodes[k] - on_planes[k]);
+      const double redundancy = std::max(0.0, 1.0 - on_nodes[k] - on_planes[k]);
+      variance.squares += on_nodes[k] * left[k] * left[k];
+      variance.redundancy += on_nodes[k] * redundancy;
+      variance.spread += on_nodes[k] * on_nodes[k] * redundancy;
       variance.leverage += on_nodes[k];
     }
   }
@@ -161,11 +169,13 @@ std::map<Component, double> OverAll(const PlaneVariances& planes) {
     for (const auto& [component, variance] : plane) {
       sums[component].squares += variance.squares;
       sums[component].redundancy += variance.redundancy;
+      sums[component].spread += variance.spread;
     }
   }
   std::map<Component, double> factors;
   for (const auto& [component, sum] : sums) {
-    factors[component] = Posterior(sum.redundancy, sum.squares);
+    const double mean = sum.redundancy > 0.0 ? sum.squares / sum.redundancy : 1.0;
+    factors[component] = Posterior(sum.Freedom(), sum.Freedom() * mean);
   }
   return factors;
 }
@@ -178,9 +188,10 @@ std::vector<std::map<Component, double>> Factors(const PlaneVariances& planes) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < planes.size(); ++k) {
     for (const auto& [component, own] : planes[k]) {
-      const double borrowed = std::max(0.0, 1.0 - own.redundancy);
-      const double freedom = own.redundancy + borrowed;
-      factors[k][component] = (own.squares + borrowed * over_all.at(component)) / freedom;
+      const double own_freedom = own.Freedom(), borrowed = std::max(0.0, 1.0 - own_freedom);
+      const double freedom = own_freedom + borrowed;
+      const double mean = own.redundancy > 0.0 ? own.squares / own.redundancy : 0.0;
+      factors[k][component] = (own_freedom * mean + borrowed * over_all.at(component)) / freedom;
       sum += own.leverage;
       squares += own.leverage * own.leverage / freedom;
     }

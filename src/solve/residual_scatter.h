@@ -21,6 +21,9 @@ void ApplyLossCurvature(LinearizedGraph* linear);
 /// Sets the scatter of the planes' residuals. `system`: of the information of `linear`, its loss's
 /// curvature applied.
 ///
+/// A variance is the mean of the squares over the rows of a landmark's component, each by its
+/// leverage on the nodes: what counts is the scatter of their scores.
+///
 /// Few residuals say little. A variance is the mean of its posterior under the widest conjugate
 /// prior around the stated one, inverse chi-square with four degrees of freedom: (nu s^2 + 2) /
 /// (nu + 2). That holds for a component over all landmarks, and for the whole with Satterthwaite's

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -85,31 +86,39 @@ class Dense {
     return curvature;
   }
 
+  // Of rows: squares, redundancy, its sum with the leverage once more, leverage on the poses; all
+  // but the last times the leverage.
+  using Sums = Eigen::Vector4d;
+  static double Freedom(const Sums& sums) { return sums[1] * sums[1] / sums[2]; }
+
   VectorXd Variances(const MatrixXd& sharp, const MatrixXd& inverse) const {
     const MatrixXd hat = sharp * inverse * sharp.transpose();
-    Eigen::Vector3d squares = Eigen::Vector3d::Zero(), freedom = Eigen::Vector3d::Zero();
-    std::map<std::pair<int, Index>, Eigen::Vector3d> own;  // squares, redundancy, on the poses
+    std::array<Sums, 3> all = {Sums::Zero(), Sums::Zero(), Sums::Zero()};
+    std::map<std::pair<int, Index>, Sums> own;
     for (Index k = 0; k < residual_.size(); ++k) {
       const auto plane = sharp.middleCols<3>(PlaneRow(planes_[k / 3]));
       const MatrixXd in_plane = (plane.transpose() * plane).inverse();
       const double on_plane = plane.row(k) * in_plane * plane.row(k).transpose();
-      const Eigen::Vector3d one(residual_[k] * residual_[k], 1.0 - hat(k, k), hat(k, k) - on_plane);
-      own.try_emplace({planes_[k / 3], k % 3}, Eigen::Vector3d::Zero()).first->second += one;
-      squares[k % 3] += one[0], freedom[k % 3] += one[1];
+      const double h = hat(k, k) - on_plane, redundancy = 1.0 - hat(k, k);
+      const Sums one(h * residual_[k] * residual_[k], h * redundancy, h * h * redundancy, h);
+      own.try_emplace({planes_[k / 3], k % 3}, Sums::Zero()).first->second += one;
+      all[k % 3] += one;
     }
     double sum = 0.0, sum_of_squares = 0.0;
     for (const auto& [key, value] : own) {
-      sum += value[2];
-      sum_of_squares += value[2] * value[2] / std::max(1.0, value[1]);
+      sum += value[3];
+      sum_of_squares += value[3] * value[3] / std::max(1.0, Freedom(value));
     }
-    const double all = sum * sum / sum_of_squares;
+    const double whole = sum * sum / sum_of_squares;
     VectorXd variances(residual_.size());
     for (Index k = 0; k < residual_.size(); ++k) {
-      const Eigen::Vector3d& value = own.at({planes_[k / 3], k % 3});
-      const double common = (squares[k % 3] + 2.0) / (freedom[k % 3] + 2.0);
-      const double borrowed = std::max(0.0, 1.0 - value[1]);
-      const double factor = (value[0] + borrowed * common) / (value[1] + borrowed);
-      variances[k] = (all * factor + 2.0) / (all + 2.0);
+      const Sums &value = own.at({planes_[k / 3], k % 3}), &of_all = all[k % 3];
+      const double common =
+          (Freedom(of_all) * of_all[0] / of_all[1] + 2.0) / (Freedom(of_all) + 2.0);
+      const double freedom = Freedom(value), borrowed = std::max(0.0, 1.0 - freedom);
+      const double factor =
+          (freedom * value[0] / value[1] + borrowed * common) / (freedom + borrowed);
+      variances[k] = (whole * factor + 2.0) / (whole + 2.0);
     }
     return variances;
   }
@@ -228,6 +237,33 @@ TEST(ResidualScatter, PoseErrorsHaveTheSizeThatItSays) {
   }
   EXPECT_LT(MeanNees(0.6, {}, kWorlds), 1.0 - 4.0 * sigma);
   EXPECT_GT(MeanNees(1.5, {}, kWorlds), 1.0 + 4.0 * sigma);
+}
+
+// The stated noise of half of the observations, at random, is what it is, of the others three times
+// as much: what weighs most has to count most, and that is not half of the rows.
+TEST(ResidualScatter, KnowsWhichRowsWeigh) {
+  constexpr int kWorlds = 100;
+  double squared = 0.0;
+  for (int seed = 1; seed <= kWorlds; ++seed) {
+    const PlaneWorldOptions world{.poses = 6,
+                                  .planes = 60,
+                                  .seen_share = 1.0,
+                                  .noise = 1.0,
+                                  .seed = static_cast<unsigned>(seed)};
+    PlaneWorld made(world);
+    Graph graph = PlaneWorld(world).Disturbed(0.003, 0.003);
+    for (PlaneLandmark& plane : graph.planes) {
+      for (PlaneObservation& seen : plane.observations) {
+        if (made.Normal() > 0.0) continue;
+        seen.tilt_weight_1 /= 3.0, seen.tilt_weight_2 /= 3.0, seen.offset_weight /= 3.0;
+      }
+    }
+    Solve(&graph);
+    const Vector6d error =
+        PoseError(graph.poses[2].world_from_node, made.truth().poses[2].world_from_node);
+    squared += error.dot(GraphCovariance(graph, {}, ByResiduals()).Pose(2).llt().solve(error));
+  }
+  EXPECT_NEAR(squared / (6.0 * kWorlds), 1.0, 4.0 * std::sqrt(2.0 / (6.0 * kWorlds)));
 }
 
 // Along z no plane says anything, with exact normals. Rotations that are known to some mrad move
