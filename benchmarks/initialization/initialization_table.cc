@@ -1,4 +1,4 @@
-// initialization_table [SITES_PER_SCENE [FIRST_SEED]]: how often a graph of simulated scans finds
+// initialization_table [SITES_PER_SCENE [FIRST_SEED [SCENE]]]: how often a graph of simulated scans finds
 // its poses from no guess at all, by the share of observations that are assigned to a wrong
 // landmark: the joint closed form, the solver from there, and the solver from odometry. Markdown;
 // CPU seconds of the thread.
@@ -150,6 +150,8 @@ int main(int argc, char** argv) {
   const int sites = argc > 1 ? std::atoi(argv[1]) : 50;
   const std::uint64_t first_seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   planegraph::PrintHeader();
-  for (const char* scene : {"hall", "yard"}) planegraph::PrintScene(scene, sites, first_seed);
+  std::vector<std::string> scenes = {"hall", "yard"};
+  if (argc > 3) scenes = {argv[3]};
+  for (const std::string& scene : scenes) planegraph::PrintScene(scene, sites, first_seed);
   return 0;
 }

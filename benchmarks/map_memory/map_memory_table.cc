@@ -76,7 +76,8 @@ void Prepare(const std::string& cloud, const MapMemory& memory) {
   ::rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   const double patches = static_cast<double>(map.planes.patches.size() * sizeof(Patch)) / 1e6;
-  std::printf("| %zu | %s | %zu | %zu | %.0f | %.1f | %.1f | %.0f |\n", map.points,
+  std::printf("| %zu | %.0f | %s | %zu | %zu | %.0f | %.1f | %.1f | %.0f |\n", map.points,
+              1e-6 * static_cast<double>(memory.bytes),
               map.tiles ? std::to_string(map.tiles->count()).c_str() : "in memory",
               map.planes.planes.size(), map.planes.patches.size(), patches, map.seconds_read,
               map.seconds_segment, 1024e-6 * static_cast<double>(usage.ru_maxrss));
@@ -106,8 +107,10 @@ int Run(int count, char** arguments) {
   memory.bytes = static_cast<std::uint64_t>(1e6 * std::atof(arguments[2]));
   memory.scratch = folder;
   std::printf(
-      "| points | tiles | planes | patches | their MB | read, s | segmented, s | peak, MB |\n"
-      "|---|---|---|---|---|---|---|---|\n");
+      "| points | `--map_memory` | tiles | planes | patches | their MB | read, s | segmented, s | "
+      "peak "
+      "memory, MB |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
   for (int k = 3; k < count; ++k) {
     const std::string path = folder + "/" + arguments[k] + ".ply";
