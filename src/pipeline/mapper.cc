@@ -5,6 +5,7 @@
 
 #include "pipeline/input_warnings.h"
 #include "pipeline/lap.h"
+#include "pipeline/odometry_conventions.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/graph/factor_losses.h"
@@ -96,6 +97,10 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   options.progress("registration", 0.0);
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
+  for (std::string& warning :
+       OdometryConventionWarnings(result->site, result->scans, result->pairs)) {
+    result->warnings.push_back(std::move(warning));
+  }
   const OdometryScatter scatter = CalibrateOdometry(result->pairs, &result->odometry);
   ReviseChain(models, result->odometry, scatter, options.registration, options.threads,
               &result->pairs);

@@ -252,6 +252,26 @@ TEST_F(Jobs, SegmentAsksForTheUnit) {
   EXPECT_THAT(millimetres.err, HasSubstr("farther than 100 m: are the units metres?"));
 }
 
+// Two walls and a ground, so large that somebody may have meant millimetres.
+TEST_F(Jobs, RegisterAsksForTheUnit) {
+  const auto outcome = [&](double size) {
+    std::ostringstream points;
+    for (int i = 0; i < 40; ++i) {
+      for (int k = 0; k < 40; ++k) {
+        const double a = size * (i - 20), b = size * (k - 20), c = size * k;
+        points << a << " " << b << " " << -2 * size << "\n"
+               << a << " " << 20 * size << " " << c << "\n"
+               << 20 * size << " " << b << " " << c << "\n";
+      }
+    }
+    const std::string cloud = Write("corner.xyz", points.str());
+    return RunTool("register " + cloud + " " + cloud + " --noise=0.01");
+  };
+  EXPECT_THAT(outcome(0.2).err, Not(HasSubstr("metres?")));
+  EXPECT_THAT(outcome(200.0).err,
+              HasSubstr("corner.xyz: half of the points are farther than 100 m: are the units"));
+}
+
 TEST_F(Jobs, SegmentOfAnEmptyFileIsBadInput) {
   const std::string cloud = Write("empty.ply", "");
   const Outcome outcome = RunTool("segment " + cloud + " --output=" + Path("planes.json"));
