@@ -196,6 +196,7 @@ Placement StartPlacement(std::vector<Rigid3> poses, const std::vector<MapRecord>
 
 void Optimize(const Placement& placement, const MapOptions& options, MapResult* result) {
   Lap lap(&result->seconds.solve);
+  options.progress("solve", 0.0);
   result->solution.world_from_scan = placement.world_from_scan;
   result->solution.world_from_metric = placement.world_from_metric;
   if (options.optimizer == "graph") {
@@ -252,14 +253,18 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   }
   if (!result.maps.empty()) {
     Lap lap(&result.seconds.placing);
+    options.progress("placing", 0.0);
     RegisterInMaps(models, options, &placement, &result);
+    options.progress("placing", 1.0);
   }
   result.component = Components(result.scans.size(), result.pairs, result.map_pairs);
   result.components = *std::max_element(result.component.begin(), result.component.end()) + 1;
   Optimize(placement, options, &result);
   if (options.optimizer == "graph") {
     Lap lap(&result.seconds.covariance);
+    options.progress("covariance", 0.0);
     ComputeUncertainty(result.pairs, options, &result);
+    options.progress("covariance", 1.0);
   }
   return result;
 }

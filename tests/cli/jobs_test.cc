@@ -1,7 +1,9 @@
 // Whole jobs of the built tool on small simulated sites: exit codes, messages, files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "cli/tool_runner.h"
 #include "io/test_files.h"
@@ -250,6 +253,21 @@ TEST_F(Jobs, SegmentAsksForTheUnit) {
   EXPECT_THAT(metres.err, Not(HasSubstr("metres?")));
   EXPECT_EQ(millimetres.exit_code, 3) << millimetres.err;
   EXPECT_THAT(millimetres.err, HasSubstr("farther than 100 m: are the units metres?"));
+}
+
+// A pipe that gives nothing for long: whoever waits for the command sees that it lives.
+TEST_F(Jobs, LongWorkShowsThatItLives) {
+  const std::string pipe = Path("slow.xyz");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] {
+    std::ofstream stream(pipe);
+    std::this_thread::sleep_for(std::chrono::seconds(11));
+    stream << "1 2 3\n";
+  });
+  const Outcome outcome = RunTool("convert " + pipe + " " + Path("out.ply"));
+  writer.join();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, StartsWith("planegraph convert: at work, 10 s\n"));
 }
 
 // Two walls and a ground, so large that somebody may have meant millimetres.
