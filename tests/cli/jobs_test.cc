@@ -255,6 +255,27 @@ TEST_F(Jobs, SegmentAsksForTheUnit) {
   EXPECT_THAT(millimetres.err, HasSubstr("farther than 100 m: are the units metres?"));
 }
 
+TEST_F(Jobs, EvaluateTakesTheScansOfASite) {
+  const std::string site = Simulate("hall", 3);
+  const std::string truth = " --estimate=" + Path("hall/truth.tum") + " --json --voxel=0.2";
+  const Outcome of_site = RunTool("evaluate --scans=" + site + truth);
+  const Outcome of_folder = RunTool("evaluate --scans=" + Path("hall/scans") + truth);
+  ASSERT_EQ(of_site.exit_code, 0) << of_site.err;
+  const auto json = nlohmann::json::parse(of_site.out);
+  EXPECT_EQ(json["point_set"], nlohmann::json::parse(of_folder.out)["point_set"]);
+  EXPECT_EQ(json["mme"], nlohmann::json::parse(of_folder.out)["mme"]);
+}
+
+TEST_F(Jobs, EvaluateAsksWhichRobotOfASite) {
+  Tiny();
+  const std::string two =
+      Write("two.yaml", "robots: [{name: a, scans: scans}, {name: b, scans: scans}]\n");
+  const std::string estimate = " --estimate=" + Write("e.tum", "0 0 0 0 0 0 0 1\n");
+  const Outcome outcome = RunTool("evaluate --scans=" + two + estimate);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("two.yaml has several robots"));
+}
+
 // A pipe that gives nothing for long: whoever waits for the command sees that it lives.
 TEST_F(Jobs, LongWorkShowsThatItLives) {
   const std::string pipe = Path("slow.xyz");
