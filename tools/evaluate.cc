@@ -24,7 +24,9 @@ DEFINE_string(pairs, "consecutive", "RPE pairs: consecutive (disjoint), all (one
 DEFINE_string(pairs_from, "reference", "whose path counts the metres: reference, estimate");
 DEFINE_double(max_time_difference, 0.01, "of two poses that belong together, seconds");
 DEFINE_string(map, "", "cloud: evaluate: of a merged map; locate: of the drone map");
-DEFINE_string(scans, "", "raw scans (a glob in name order, or a folder) to lay under --estimate");
+DEFINE_string(scans, "",
+              "raw scans (a glob in name order, a folder, or a site file of one robot) to lay "
+              "under --estimate");
 DEFINE_double(radius, 0.3, "of the neighbourhoods for MME, MPV and thickness, metres");
 DEFINE_double(voxel, 0.0,
               "thins each scan (or the map) to one point per voxel of this edge; 0: none");

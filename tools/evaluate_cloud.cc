@@ -25,7 +25,7 @@ struct Judged {
 };
 
 Judged MergedScans(const std::string& estimate_file, nlohmann::json* result) {
-  const std::vector<std::string> files = ScanFiles(FLAGS_scans, FLAGS_format);
+  const auto [files, format] = FindScans(FLAGS_scans, FLAGS_format);
   const Trajectory estimate = ReadTrajectory(estimate_file);
   NoteWarnings(FileWarnings(estimate, estimate_file), result);
   if (files.size() != estimate.size()) {
@@ -35,7 +35,7 @@ Judged MergedScans(const std::string& estimate_file, nlohmann::json* result) {
   }
   ScanMerger merger({FLAGS_voxel, FLAGS_min_range, FLAGS_max_range});
   for (std::size_t i = 0; i < files.size(); ++i) {
-    merger.Add(ReadCloud(files[i], FLAGS_format), estimate.poses[i]);
+    merger.Add(ReadCloud(files[i], format), estimate.poses[i]);
   }
   return {merger.merged(), merger.fingerprint()};
 }

@@ -12,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/common_flags.h"
 #include "tools/flag_text.h"
+#include "tools/progress.h"
 
 namespace planegraph::tools {
 namespace {
@@ -78,6 +79,7 @@ int RunCommand(const Command& command, int argc, char** argv) {
   gflags::ParseCommandLineFlags(&argc, &argv, true);
   RefuseForeignFlags(command);
   StartLogging(argv[0]);
+  const auto heartbeat = StartHeartbeat(command.name);
   return command.run(std::vector<std::string>(argv + 1, argv + argc));
 }
 

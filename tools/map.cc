@@ -1,10 +1,8 @@
 // planegraph map: scans (and drone maps) to one consistent map.
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <iostream>
 #include <map>
-#include <mutex>
 #include <sstream>
 
 #include "planegraph/base/atomic_file.h"
@@ -17,6 +15,7 @@
 #include "tools/command.h"
 #include "tools/common_flags.h"
 #include "tools/map_memory.h"
+#include "tools/progress.h"
 
 DEFINE_string(optimizer, "graph", "graph (joint), metascan (the paper's), none (pairwise chain)");
 DEFINE_string(plane_factor, "moments",
@@ -55,16 +54,11 @@ MapOptions OptionsFromFlags() {
   return options;
 }
 
-// A line on stderr that is drawn over, only where somebody sees it.
-Progress ProgressLine() {
-  if (FLAGS_quiet || ::isatty(STDERR_FILENO) == 0) return [](const std::string&, double) {};
-  return [mutex = std::make_shared<std::mutex>()](const std::string& stage, double done) {
-    const std::lock_guard<std::mutex> lock(*mutex);
-    const int filled = static_cast<int>(30 * std::min(done, 1.0));
-    std::cerr << "\r" << stage << std::string(14 - std::min<std::size_t>(stage.size(), 13), ' ')
-              << "[" << std::string(filled, '#') << std::string(30 - filled, ' ') << "]"
-              << (done >= 1.0 ? "\n" : "") << std::flush;
-  };
+void DrawProgress(const std::string& stage, double done) {
+  const int filled = static_cast<int>(30 * std::min(done, 1.0));
+  std::cerr << "\r" << stage << std::string(14 - std::min<std::size_t>(stage.size(), 13), ' ')
+            << "[" << std::string(filled, '#') << std::string(30 - filled, ' ') << "]"
+            << (done >= 1.0 ? "\n" : "") << std::flush;
 }
 
 nlohmann::json WriteReport(const MapResult& result, const MapOptions& options,
@@ -244,14 +238,16 @@ int Run(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   RequireFlag("output_dir");
   MapOptions options = OptionsFromFlags();
-  options.progress = ProgressLine();
+  options.progress = ProgressReporter(DrawProgress);
   const Site site = ReadSite(arguments[0]);
   CreateFolder(FLAGS_output_dir);
   MapResult result = MapScans(site, options);
   const double before = SecondsSinceStart();
+  options.progress("output", 0.0);
   WriteOutputs(result, {FLAGS_output_dir, FLAGS_map_voxel, FLAGS_threads});
   result.seconds.output = SecondsSinceStart() - before;
   const nlohmann::json report = WriteReport(result, options, FLAGS_output_dir);
+  options.progress("output", 1.0);
   if (WantsText()) PrintSummary(result, report);
   return ExitCode(result, report);
 }

@@ -3,12 +3,14 @@
 #include <gflags/gflags.h>
 
 #include <cmath>
+#include <iostream>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
 
 #include "planegraph/base/error.h"
 #include "planegraph/cloud/saturated_returns.h"
+#include "planegraph/cloud/units.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/segmentation/map_segmenter.h"
 #include "planegraph/segmentation/planes_json.h"
@@ -134,6 +136,10 @@ PlaneSet LoadPlanes(const std::string& path, CloudKind kind, double scale) {
   if (IsPlanesFile(path)) return ReadPlanes(path);
   Cloud cloud = ReadInputCloud(path);
   if (scale != 1.0) Scale(scale, &cloud);
+  if (kind == CloudKind::kLaser && AreUnitsDoubtful(cloud)) {
+    std::cerr << "warning: " << path
+              << ": half of the points are farther than 100 m: are the units metres?\n";
+  }
   return SegmentInput(cloud, kind, path).planes;
 }
 

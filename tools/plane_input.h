@@ -22,7 +22,8 @@ Cloud ReadInputCloud(const std::string& path);
 /// `path` where the cloud's extent is too large.
 Segmentation SegmentInput(const Cloud& cloud, CloudKind kind, const std::string& path);
 
-/// The planes of a cloud (metres per unit: `scale`) or of a PLANES.json, by the ending.
+/// The planes of a cloud (metres per unit: `scale`) or of a PLANES.json, by the ending. Warns on
+/// stderr of a scan whose unit may not be the metre.
 PlaneSet LoadPlanes(const std::string& path, CloudKind kind, double scale);
 
 /// True where the path names a PLANES.json.

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "planegraph/base/error.h"
+#include "planegraph/pipeline/site.h"
 
 namespace planegraph::tools {
 namespace {
@@ -41,15 +42,31 @@ std::vector<std::string> FilesOfGlob(const std::string& pattern) {
   return files;
 }
 
+bool IsSite(const fs::path& path) {
+  return path.extension() == ".yaml" || path.extension() == ".yml";
+}
+
+ScanList ScansOfSite(const std::string& path, const std::string& format) {
+  const Site site = ReadSite(path);
+  if (site.robots.size() > 1) {
+    throw UsageError("--scans: the site " + path +
+                     " has several robots: name the scans of one by a glob");
+  }
+  const RobotSite& robot = site.robots.front();
+  return {robot.scans, format == "auto" ? robot.format : format};
+}
+
 }  // namespace
 
-std::vector<std::string> ScanFiles(const std::string& glob_or_folder, const std::string& format) {
+ScanList FindScans(const std::string& glob_folder_or_site, const std::string& format) {
+  if (IsSite(glob_folder_or_site)) return ScansOfSite(glob_folder_or_site, format);
   std::error_code error;
-  const bool folder = fs::is_directory(glob_or_folder, error);
-  auto files = folder ? FilesOfFolder(glob_or_folder, format) : FilesOfGlob(glob_or_folder);
-  if (files.empty()) throw InputError::InFile(glob_or_folder, "no scan matches");
+  const bool folder = fs::is_directory(glob_folder_or_site, error);
+  auto files =
+      folder ? FilesOfFolder(glob_folder_or_site, format) : FilesOfGlob(glob_folder_or_site);
+  if (files.empty()) throw InputError::InFile(glob_folder_or_site, "no scan matches");
   std::sort(files.begin(), files.end());
-  return files;
+  return {files, format};
 }
 
 }  // namespace planegraph::tools

@@ -1,6 +1,5 @@
 // planegraph sweep: variants x data sets x seeds to one table.
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "tools/command.h"
 #include "tools/commands.h"
 #include "tools/common_flags.h"
+#include "tools/progress.h"
 
 DEFINE_string(data_dir, "",
               "folder that the experiment's site files are relative to (default: its own)");
@@ -43,12 +43,9 @@ std::string CheckFlag(const std::string& command, const std::string& flag,
   return fits ? "" : "the flag " + flag + " cannot be '" + value + "'";
 }
 
-std::function<void(const std::string&, double)> ProgressLine() {
-  if (FLAGS_quiet || ::isatty(STDERR_FILENO) == 0) return nullptr;
-  return [](const std::string& run, double done) {
-    std::fprintf(stderr, "\r%5.1f %%  %-60.60s%s", 100.0 * done, run.c_str(),
-                 done >= 1.0 ? "\n" : "");
-  };
+void DrawProgress(const std::string& run, double done) {
+  std::fprintf(stderr, "\r%5.1f %%  %-60.60s%s", 100.0 * done, run.c_str(),
+               done >= 1.0 ? "\n" : "");
 }
 
 nlohmann::json Number(const std::optional<double>& value) {
@@ -134,8 +131,8 @@ int Run(const std::vector<std::string>& arguments) {
   RequireFlag("output_dir");
   Experiment experiment = ReadExperiment(arguments[0], FLAGS_data_dir, CheckFlag);
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
-  std::vector<SweepRun> runs =
-      RunSweep(experiment, {program, FLAGS_output_dir, FLAGS_threads, ProgressLine()});
+  std::vector<SweepRun> runs = RunSweep(
+      experiment, {program, FLAGS_output_dir, FLAGS_threads, ProgressReporter(DrawProgress)});
   HandleEmptyMetrics(&experiment, &runs);
   const std::vector<SweepRow> rows = MakeSweepTable(experiment, runs);
   WriteSweepTables(experiment, runs, rows, {PLANEGRAPH_VERSION, PLANEGRAPH_COMMIT},

@@ -118,6 +118,27 @@ void WriteTrajectory(const std::string& path, const Trajectory& trajectory) {
   }
 }
 
+// Only TUM files hold quaternions, and only they have times.
+void CheckQuaternions(const FileConventions& conventions, bool has_quaternions) {
+  if (conventions.w_first && !has_quaternions) {
+    throw UsageError("quaternions with w first (--quaternions=wxyz) are for TUM files");
+  }
+}
+
+void CheckForCloud(const FileConventions& conventions) {
+  CheckQuaternions(conventions, false);
+  if (conventions.body_from_world) {
+    throw UsageError("poses are inverted (--inverse) in trajectories alone");
+  }
+}
+
+void CheckForGraph(const FileConventions& conventions) {
+  CheckForCloud(conventions);
+  if (conventions.scale != 1.0 || !conventions.axes.isIdentity(0.0)) {
+    throw UsageError("graphs (g2o to g2o) take no --scale and no --axes");
+  }
+}
+
 }  // namespace
 
 Conversion ConvertFile(const std::string& input, const std::string& output,
@@ -128,16 +149,20 @@ Conversion ConvertFile(const std::string& input, const std::string& output,
     throw UsageError("time stamps (--stamps) are for trajectories written as TUM");
   }
   if (EndingOf(input) == ".g2o" && EndingOf(output) == ".g2o") {
+    CheckForGraph(options.conventions);
     const G2oGraph graph = ReadG2o(input);
     WriteG2o(output, graph);
     return {"graph", graph.vertices3.size() + graph.vertices2.size()};
   }
   if (cloud) {
-    const Cloud points = ReadCloud(input);
+    CheckForCloud(options.conventions);
+    const Cloud points = Interpret(options.conventions, ReadCloud(input));
     WriteCloud(output, points);
     return {"cloud", points.size()};
   }
   Trajectory trajectory = ReadTrajectory(input);
+  CheckQuaternions(options.conventions, trajectory.has_times);
+  trajectory = Interpret(options.conventions, trajectory);
   if (!options.stamps.empty()) SetTimes(input, options.stamps, &trajectory);
   WriteTrajectory(output, trajectory);
   return {"trajectory", trajectory.size()};

@@ -45,6 +45,14 @@ Segmentation Segment(const Cloud& cloud, const std::string& file,
   }
 }
 
+double ReachOf(const Cloud& cloud) {
+  double reach = 0.0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    reach = std::max(reach, (cloud.Position(i) - cloud.viewpoint).norm());
+  }
+  return reach;
+}
+
 std::string ScanId(const std::string& robot, std::size_t index) {
   char number[32];
   std::snprintf(number, sizeof(number), "/%03zu", index);
@@ -86,6 +94,7 @@ ScanRecord PrepareScan(const Site& site, std::size_t robot_index, std::size_t in
   record.time = robot.odometry ? robot.odometry->times[index] : static_cast<double>(index);
   record.points = scan.points;
   record.points_filtered = scan.cloud.size();
+  record.reach = ReachOf(scan.cloud);
   record.units_doubtful = AreUnitsDoubtful(scan.cloud);
   record.seconds_read = scan.seconds_read;
   record.seconds_preprocess = scan.seconds_preprocess;

@@ -5,6 +5,7 @@
 
 #include "pipeline/input_warnings.h"
 #include "pipeline/lap.h"
+#include "pipeline/odometry_conventions.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/graph/factor_losses.h"
@@ -96,6 +97,10 @@ std::vector<Rigid3> RegisterScans(const std::vector<ScanModel>& models, const Ma
   options.progress("registration", 0.0);
   result->pairs =
       RegisterChain(models, result->scans, result->odometry, options.registration, options.threads);
+  for (std::string& warning :
+       OdometryConventionWarnings(result->site, result->scans, result->pairs)) {
+    result->warnings.push_back(std::move(warning));
+  }
   const OdometryScatter scatter = CalibrateOdometry(result->pairs, &result->odometry);
   result->odometry_scales =
       ScaleOdometry(result->pairs, result->site.robots.size(), &result->odometry);
@@ -193,6 +198,7 @@ Placement StartPlacement(std::vector<Rigid3> poses, const std::vector<MapRecord>
 
 void Optimize(const Placement& placement, const MapOptions& options, MapResult* result) {
   Lap lap(&result->seconds.solve);
+  options.progress("solve", 0.0);
   result->solution.world_from_scan = placement.world_from_scan;
   result->solution.world_from_metric = placement.world_from_metric;
   if (options.optimizer == "graph") {
@@ -249,14 +255,18 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   }
   if (!result.maps.empty()) {
     Lap lap(&result.seconds.placing);
+    options.progress("placing", 0.0);
     RegisterInMaps(models, options, &placement, &result);
+    options.progress("placing", 1.0);
   }
   result.component = Components(result.scans.size(), result.pairs, result.map_pairs);
   result.components = *std::max_element(result.component.begin(), result.component.end()) + 1;
   Optimize(placement, options, &result);
   if (options.optimizer == "graph") {
     Lap lap(&result.seconds.covariance);
+    options.progress("covariance", 0.0);
     ComputeUncertainty(result.pairs, options, &result);
+    options.progress("covariance", 1.0);
   }
   return result;
 }

@@ -1,7 +1,9 @@
 // Whole jobs of the built tool on small simulated sites: exit codes, messages, files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "cli/tool_runner.h"
 #include "io/test_files.h"
@@ -250,6 +253,62 @@ TEST_F(Jobs, SegmentAsksForTheUnit) {
   EXPECT_THAT(metres.err, Not(HasSubstr("metres?")));
   EXPECT_EQ(millimetres.exit_code, 3) << millimetres.err;
   EXPECT_THAT(millimetres.err, HasSubstr("farther than 100 m: are the units metres?"));
+}
+
+TEST_F(Jobs, EvaluateTakesTheScansOfASite) {
+  const std::string site = Simulate("hall", 3);
+  const std::string truth = " --estimate=" + Path("hall/truth.tum") + " --json --voxel=0.2";
+  const Outcome of_site = RunTool("evaluate --scans=" + site + truth);
+  const Outcome of_folder = RunTool("evaluate --scans=" + Path("hall/scans") + truth);
+  ASSERT_EQ(of_site.exit_code, 0) << of_site.err;
+  const auto json = nlohmann::json::parse(of_site.out);
+  EXPECT_EQ(json["point_set"], nlohmann::json::parse(of_folder.out)["point_set"]);
+  EXPECT_EQ(json["mme"], nlohmann::json::parse(of_folder.out)["mme"]);
+}
+
+TEST_F(Jobs, EvaluateAsksWhichRobotOfASite) {
+  Tiny();
+  const std::string two =
+      Write("two.yaml", "robots: [{name: a, scans: scans}, {name: b, scans: scans}]\n");
+  const std::string estimate = " --estimate=" + Write("e.tum", "0 0 0 0 0 0 0 1\n");
+  const Outcome outcome = RunTool("evaluate --scans=" + two + estimate);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("two.yaml has several robots"));
+}
+
+// A pipe that gives nothing for long: whoever waits for the command sees that it lives.
+TEST_F(Jobs, LongWorkShowsThatItLives) {
+  const std::string pipe = Path("slow.xyz");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] {
+    std::ofstream stream(pipe);
+    std::this_thread::sleep_for(std::chrono::seconds(11));
+    stream << "1 2 3\n";
+  });
+  const Outcome outcome = RunTool("convert " + pipe + " " + Path("out.ply"));
+  writer.join();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, StartsWith("planegraph convert: at work, 10 s\n"));
+}
+
+// Two walls and a ground, so large that somebody may have meant millimetres.
+TEST_F(Jobs, RegisterAsksForTheUnit) {
+  const auto outcome = [&](double size) {
+    std::ostringstream points;
+    for (int i = 0; i < 40; ++i) {
+      for (int k = 0; k < 40; ++k) {
+        const double a = size * (i - 20), b = size * (k - 20), c = size * k;
+        points << a << " " << b << " " << -2 * size << "\n"
+               << a << " " << 20 * size << " " << c << "\n"
+               << 20 * size << " " << b << " " << c << "\n";
+      }
+    }
+    const std::string cloud = Write("corner.xyz", points.str());
+    return RunTool("register " + cloud + " " + cloud + " --noise=0.01");
+  };
+  EXPECT_THAT(outcome(0.2).err, Not(HasSubstr("metres?")));
+  EXPECT_THAT(outcome(200.0).err,
+              HasSubstr("corner.xyz: half of the points are farther than 100 m: are the units"));
 }
 
 TEST_F(Jobs, SegmentOfAnEmptyFileIsBadInput) {

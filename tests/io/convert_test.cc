@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "io/test_files.h"
+#include "planegraph/geometry/rotation.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/io/g2o_io.h"
 #include "planegraph/io/trajectory_io.h"
@@ -92,6 +93,101 @@ TEST_F(Convert, WrongStampsAreSaid) {
     EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.tum"), stamps), InputError) << text;
   }
   EXPECT_FALSE(std::filesystem::exists(Path("b.tum")));
+}
+
+// Poses that no convention leaves as they are.
+Trajectory Winding() {
+  Trajectory trajectory;
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d vector(0.2 * i, -0.3 + 0.1 * i, 0.5 * i);
+    trajectory.times.push_back(i);
+    trajectory.poses.push_back({ExpSO3(vector), {1.0 * i, 2.0 - i, 0.25 * i}});
+  }
+  return trajectory;
+}
+
+void ExpectSamePoses(const Trajectory& a, const Trajectory& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LE((a.poses[i].translation - b.poses[i].translation).norm(), 1e-12);
+    EXPECT_LE(AngleBetween(a.poses[i].rotation, b.poses[i].rotation), 1e-7);
+  }
+}
+
+class ForeignTrajectory : public Convert {
+ protected:
+  Trajectory Converted(const Trajectory& foreign, const FileConventions& conventions) {
+    WriteTum(Path("foreign.tum"), foreign);
+    ConvertFile(Path("foreign.tum"), Path("ours.tum"), {"", conventions});
+    return ReadTrajectory(Path("ours.tum"));
+  }
+};
+
+TEST_F(ForeignTrajectory, InMillimetres) {
+  Trajectory foreign = Winding();
+  for (Rigid3& pose : foreign.poses) pose.translation *= 1000.0;
+  ExpectSamePoses(Converted(foreign, {0.001}), Winding());
+}
+
+TEST_F(ForeignTrajectory, WithWFirst) {
+  Trajectory foreign = Winding();
+  for (Rigid3& pose : foreign.poses) {
+    const Eigen::Quaterniond q = pose.rotation;
+    pose.rotation = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());  // x y z w of the file: w x y z
+  }
+  FileConventions conventions;
+  conventions.w_first = true;
+  ExpectSamePoses(Converted(foreign, conventions), Winding());
+}
+
+TEST_F(ForeignTrajectory, BodyFromWorld) {
+  Trajectory foreign = Winding();
+  for (Rigid3& pose : foreign.poses) pose = pose.Inverse();
+  FileConventions conventions;
+  conventions.body_from_world = true;
+  ExpectSamePoses(Converted(foreign, conventions), Winding());
+}
+
+// A point of the body, seen from the world, is the same point in both conventions; a left-handed
+// frame among them.
+TEST_F(ForeignTrajectory, WithOtherAxes) {
+  for (const char* text : {"z,-x,-y", "x,-y,-z", "-z,x,y", "x,-y,z"}) {
+    SCOPED_TRACE(text);
+    FileConventions conventions;
+    conventions.axes = ParseAxes(text);
+    EXPECT_EQ(AxesText(conventions.axes), text);
+    const Eigen::Matrix3d to_foreign = conventions.axes.transpose();
+    Trajectory foreign = Winding();
+    for (Rigid3& pose : foreign.poses) {
+      const Eigen::Vector3d zero = to_foreign * (pose * Eigen::Vector3d::Zero());
+      Eigen::Matrix3d rotation;
+      for (int axis = 0; axis < 3; ++axis) {
+        rotation.col(axis) = to_foreign * (pose * conventions.axes.col(axis)) - zero;
+      }
+      pose = {Eigen::Quaterniond(rotation).normalized(), zero};
+    }
+    ExpectSamePoses(Converted(foreign, conventions), Winding());
+  }
+}
+
+TEST_F(Convert, CloudsInOtherUnitsAndAxes) {
+  ConvertFile(Path("a.xyz"), Path("b.ply"), {"", {0.01, ParseAxes("z,-x,-y")}});
+  EXPECT_LE((ReadCloud(Path("b.ply")).points[1] - Eigen::Vector3f(0.06F, -0.04F, -0.05F)).norm(),
+            1e-6F);
+}
+
+TEST_F(Convert, WrongConventionsAreUsageErrors) {
+  for (const char* text : {"", "x", "x,y", "x,y,z,x", "x,x,z", "x,y,-", "x,y,w", "--x,y,z"}) {
+    EXPECT_THROW(ParseAxes(text), UsageError) << text;
+  }
+  FileConventions w_first, inverse;
+  w_first.w_first = true;
+  inverse.body_from_world = true;
+  Write("a.g2o", "VERTEX_SE2 0 1 2 0\n");
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.ply"), {"", w_first}), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.xyz"), Path("b.ply"), {"", inverse}), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.tum"), {"", w_first}), UsageError);
+  EXPECT_THROW(ConvertFile(Path("a.g2o"), Path("b.g2o"), {"", {0.1}}), UsageError);
 }
 
 TEST_F(Convert, WrongPairsAreInputErrors) {

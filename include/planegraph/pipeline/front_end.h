@@ -17,6 +17,7 @@ struct ScanRecord {
   PlaneSet planes;
   std::vector<std::int32_t> labels;  ///< per filtered point the plane's index, -1: none
   std::size_t points = 0, points_filtered = 0;
+  double reach = 0.0;           ///< metres: how far its farthest point lies from the scanner
   bool units_doubtful = false;  ///< the points are so far away that their unit may not be metres
   double seconds_read = 0, seconds_preprocess = 0, seconds_segment = 0;
 };
