@@ -1,5 +1,5 @@
-// initialization_table [SITES_PER_SCENE [FIRST_SEED [SCENE]]]: how often a graph of simulated scans finds
-// its poses from no guess at all, by the share of observations that are assigned to a wrong
+// initialization_table [SITES_PER_SCENE [FIRST_SEED [SCENE]]]: how often a graph of simulated scans
+// finds its poses from no guess at all, by the share of observations that are assigned to a wrong
 // landmark: the joint closed form, the solver from there, and the solver from odometry. Markdown;
 // CPU seconds of the thread.
 #include <algorithm>
