@@ -42,10 +42,12 @@ double SpreadOf(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3f middle;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(points.size());
     for (const Eigen::Vector3f& point : points) values.push_back(point[axis]);
     middle[axis] = static_cast<float>(Median(std::move(values)));
   }
   std::vector<double> distances;
+  distances.reserve(points.size());
   for (const Eigen::Vector3f& point : points) distances.push_back((point - middle).norm());
   return Median(std::move(distances));
 }
