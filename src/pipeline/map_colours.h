@@ -49,7 +49,7 @@ class VoxelColours {
 /// What laser scans can see of a drone map: balls about their places, in its metric frame.
 class SeenParts {
  public:
-  void Add(const Eigen::Vector3d& place, double reach) { balls_.push_back({place, reach}); }
+  void Add(const Eigen::Vector3d& place, double reach) { balls_.emplace_back(place, reach); }
   /// Whether the place is within `slack` metres of one of them.
   bool Reach(const Eigen::Vector3d& place, double slack) const;
 

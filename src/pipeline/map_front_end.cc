@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "pipeline/map_tiles.h"
+#include "pipeline/model_frame.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/cloud_io.h"
 
@@ -190,6 +191,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   if (!has_normals && !source.cameras.empty()) {
     OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
   }
+  if (const auto warning = ModelFrameWarning(source, map)) warnings->push_back(*warning);
   map.seconds_segment += Seconds(start);
   return map;
 }

@@ -85,7 +85,8 @@ Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels
     near.push_back(i);
   }
   labels->resize(near.size());
-  return near.size() == cloud.size() ? cloud : Select(cloud, near);
+  if (near.size() == cloud.size()) return cloud;
+  return Select(cloud, near);
 }
 
 void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& labels,
@@ -197,7 +198,7 @@ Rgb ColourOf(const std::vector<ColourSource>& sources, const Eigen::Vector3d& x_
   for (const ColourSource& source : sources) {
     if (const auto colour = source.Of(x_in_scan, plane)) return *colour;
   }
-  return plane_colours[static_cast<std::size_t>(plane + 1)];
+  return plane_colours[static_cast<std::size_t>(std::int64_t{plane} + 1)];
 }
 
 // One scan's share of the map: thinned in its own frame, moved to the world.

@@ -56,6 +56,7 @@ bool WentSomewhere(const Rigid3& registered) { return Chi2(registered, {}, 0) > 
 
 std::vector<bool> Agreement(const std::vector<Step>& steps, const Trajectory& odometry) {
   std::vector<bool> agree;
+  agree.reserve(steps.size());
   for (const Step& step : steps) agree.push_back(Agree(step.registered, StepOf(odometry, step)));
   return agree;
 }

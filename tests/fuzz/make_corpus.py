@@ -10,6 +10,8 @@ def write(reader, name, data):
     path = HERE / reader / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    if reader in ("ply", "pcd"):  # what is read in parts as well
+        write("cloud_parts", f"{reader}_{name}", data)
 
 
 def ply(fmt, elements, body=b""):
@@ -47,6 +49,11 @@ write("pcd", "double", pcd("binary", sizes="8 8 8") + struct.pack("<3d", 4e5, 5e
 write("pcd", "compressed", pcd("binary_compressed") + struct.pack("<II", 13, 12) + b"\x0b" + point)
 write("pcd", "compressed_run", pcd("binary_compressed") + struct.pack("<II", 5, 12) + b"\x00\x00\xe0\x02\x00")
 write("pcd", "offset", b"# offset 1e6 2 3\n" + pcd("ascii") + b"1 2 3\n")
+
+write("cloud_parts", "ply_seven", ply(LITTLE, f"element face 2\nproperty int w\nelement vertex 7\n{XYZ}{RGB}",
+                                     struct.pack("<2i", 1, 2) + struct.pack("<3f3B", 1, 2, 3, 4, 5, 6) * 6 + struct.pack("<3f3B", float("inf"), 2, 3, 4, 5, 6)))
+write("cloud_parts", "ply_far_lines", ply("ascii", "element vertex 3\n" + XYZ.replace("float", "double"), b"nan 0 0\r\n\n393123.5 5707456.25 112\n393124 5707457 1"))
+write("cloud_parts", "pcd_lines", pcd("ascii", n=7) + b"1 2 3\n" * 7)
 
 write("xyz", "plain", "1 2 3\n4 5 6\n")
 write("xyz", "names", "x,y,z,intensity,r,g,b\n1,2,3,.5,7,8,9\n")

@@ -11,6 +11,8 @@
 
 #include "io/test_files.h"
 #include "planegraph/base/error.h"
+#include "planegraph/io/camera_io.h"
+#include "planegraph/io/cloud_io.h"
 #include "planegraph/pipeline/mapper.h"
 #include "planegraph/pipeline/outputs.h"
 #include "planegraph/simulation/simulation.h"
@@ -164,6 +166,48 @@ TEST_F(HybridYard, AMapWithoutGpsSaysWhatIsTakenForGranted) {
   EXPECT_THAT(warnings(site), ElementsAre(HasSubstr("its unit is taken for the metre")));
   site.maps[0].scale = 8.5;
   EXPECT_THAT(warnings(site), IsEmpty());
+}
+
+// Of the model's cloud, which is also where its sparse points lie, a part, or all of it moved.
+TEST_F(HybridYard, ACloudInAnotherFrameThanItsCamerasIsNamed) {
+  const Site site = Read("site.yaml");
+  const Cloud cloud = ReadCloud(site.maps[0].cloud);
+  CameraModel model = ReadCameras(site.maps[0].cameras);
+  for (std::size_t i = 0; i < cloud.size(); i += cloud.size() / 1000) {
+    model.points.push_back(cloud.Position(i));
+  }
+  WriteMveCameras(site.maps[0].cameras, model);
+  const auto warnings = [&](const Cloud& other) {
+    WriteCloud(site.maps[0].cloud, other);
+    std::vector<std::string> list;
+    PrepareMap(site, 0, 1, &list);
+    return list;
+  };
+  const auto moved = [&](const Sim3& motion) {
+    Cloud other = cloud;
+    for (auto& point : other.points) point = (motion * point.cast<double>()).cast<float>();
+    return other;
+  };
+  std::vector<float> x;
+  for (const auto& point : cloud.points) x.push_back(point.x());
+  std::sort(x.begin(), x.end());
+  const auto part = [&](double share) {
+    const float most = x[static_cast<std::size_t>(share * static_cast<double>(x.size()))];
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+      if (cloud.points[i].x() < most) indices.push_back(i);
+    }
+    return Select(cloud, indices);
+  };
+  EXPECT_THAT(warnings(cloud), IsEmpty());
+  EXPECT_THAT(warnings(part(0.5)), IsEmpty());
+  EXPECT_THAT(warnings(part(0.1)), IsEmpty());
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX()));
+  for (const Sim3& motion :
+       {Sim3(8.0, Eigen::Quaterniond::Identity(), {300.0, 200.0, 10.0}),
+        Sim3(1.0, turn, {100.0, 0.0, 0.0}), Sim3(7.0, turn, Eigen::Vector3d::Zero())}) {
+    EXPECT_THAT(warnings(moved(motion)), ElementsAre(HasSubstr("are both in one frame?")));
+  }
 }
 
 TEST_F(HybridYard, PositionsByTimeWithoutTheImagesTimesAreTheFilesError) {
