@@ -110,6 +110,7 @@ std::optional<CloudLayout> LayoutOf(const PlyHeader& header, std::uint64_t size,
   layout.offset = header.offset;
   layout.viewpoint = header.viewpoint.value_or(Eigen::Vector3d::Zero());
   layout.lines = header.lines;
+  layout.lines_are = "lines of 'vertex'";
   layout.words = vertex.properties.size();
   layout.swap_bytes = header.encoding == PlyEncoding::kBigEndian;
   if (vertex.HasLists() || !SkipElements(header, vertex, size, file, &layout)) return {};
@@ -135,6 +136,7 @@ std::optional<CloudLayout> LayoutOf(const PcdHeader& header, std::uint64_t size,
   layout.offset = header.offset;
   layout.viewpoint = header.offset.value_or(Eigen::Vector3d::Zero()) + header.viewpoint;
   layout.lines = header.lines;
+  layout.lines_are = "points";
   for (std::size_t i = 0; i < roles.size(); ++i) {
     const PcdField& field = header.fields[i];
     if (roles[i] != Role::kSkip) layout.fields.push_back({roles[i], field.type, layout.stride});

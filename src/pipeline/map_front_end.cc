@@ -159,7 +159,8 @@ bool IsTooLarge(const DroneMapSite& source, const MapMemory& memory,
   if (!error && size > memory.bytes) {
     warnings->push_back(source.name +
                         ": its cloud is read as a whole, beyond the memory that maps may take: "
-                        "only PLY and PCD without compression and lists are read in parts");
+                        "only PLY and PCD without compression and lists, and with a header of less "
+                        "than 1 MB, are read in parts");
   }
   return false;
 }

@@ -19,7 +19,7 @@ constexpr int kMostHalvings = 3;
 class MovedParts {
  public:
   MovedParts(const std::string& cloud, const Sim3& metric_from_map)
-      : parts_(cloud), metric_from_map_(metric_from_map) {}
+      : parts_(cloud, kPart, CloudParts::Offset::kOnTheWay), metric_from_map_(metric_from_map) {}
 
   bool Next(Cloud* part) {
     if (!parts_.Next(part)) return false;
@@ -31,9 +31,11 @@ class MovedParts {
     return true;
   }
   void Rewind() { parts_.Rewind(); }
+  bool OffsetCameLate() const { return parts_.OffsetCameLate(); }
   const Eigen::Vector3d& shift() const { return shift_; }
 
  private:
+  static constexpr std::size_t kPart = 65536;
   CloudParts parts_;
   Sim3 metric_from_map_;
   Eigen::Vector3d shift_ = Eigen::Vector3d::Zero();
@@ -60,8 +62,9 @@ Census Count(MovedParts* parts) {
     }
     census.total += part.size();
   }
+  const bool again = parts->OffsetCameLate();
   parts->Rewind();
-  return census;
+  return again ? Count(parts) : census;
 }
 
 // Points of the fullest tile, whose edge is 2^doublings of the smallest.
@@ -86,9 +89,9 @@ int DoublingsFor(const Census& census, std::uint64_t most_points) {
 }  // namespace
 
 std::optional<std::uint64_t> BytesAsAWhole(const std::string& cloud) {
-  if (!CloudParts::CanRead(cloud)) return {};
-  const CloudParts parts(cloud, 1);
-  return parts.bytes() + kBytesOfPoint * parts.promised();
+  const auto extent = CloudParts::Measure(cloud);
+  if (!extent) return {};
+  return extent->bytes + kBytesOfPoint * extent->points;
 }
 
 void MoveCloud(const Sim3& target_from_cloud, Cloud* cloud) {
