@@ -16,6 +16,8 @@ namespace planegraph {
 /// What the columns of a text mean, from left to right.
 struct TextColumns {
   std::vector<Role> roles;
+  /// How many columns each role has, where not all have one: kSkip may have any number.
+  std::vector<std::size_t> widths = {};
   char separator = ' ';
   /// Colours are multiplied by this (255 where they are written as 0..1).
   double color_scale = 1.0;

@@ -14,9 +14,8 @@ namespace {
 
 Cloud ParseAscii(std::string_view bytes, const PcdHeader& header, const std::vector<Role>& roles,
                  const std::string& file) {
-  const TextColumns columns = TextColumnsOf(header, roles);
-  CheckLinesFit(bytes.size(), header.body, header.points, columns.roles.size(), file);
-  CloudBuilder builder(columns);
+  CheckLinesFit(bytes.size(), header.body, header.points, header.PointValues(), file);
+  CloudBuilder builder(TextColumnsOf(header, roles));
   builder.Reserve(header.points);
   LineReader lines(bytes.substr(header.body), header.lines + 1);
   std::string_view line;
