@@ -91,6 +91,7 @@ void CloudBuilder::AddPosition(const Eigen::Vector3d& position) {
 void CloudBuilder::MoveOffset(const Eigen::Vector3d& offset) {
   for (Eigen::Vector3f& point : cloud_.points)
     point = (point.cast<double>() - offset).cast<float>();
+  if (!cloud_.points.empty()) late_offset_ = offset;
   cloud_.offset = offset;
   offset_is_fixed_ = true;
 }

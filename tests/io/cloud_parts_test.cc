@@ -270,6 +270,10 @@ TEST_F(CloudPartsTest, FilesOfEveryKindAreReadAsTheWhole) {
        ascii + "comment offset 4e5 5e6 7\n" + vertex + end + "1 2 3\n4e5 5 6\n7 8 9\n"},
       {"not_finite.ply", ascii + vertex + end + "1 2 3\nnan 5 6\n7 inf 9\n"},
       {"far.ply", ascii + vertex + end + "1 2 3\n4 5 1e31\n7 8e5 9\n"},
+      {"both_sides.ply",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty "
+       "double y\nproperty double z\n" +
+           end + "9990.0004 1 2\n-9990.0004 5 6\n10010.25 3 4\n"},
       {"packed.pcd", pcd + "ascii\n1 2 3 4 5 70000\n1 2 nan 4 5 70000\n3 4 5 6 7 80000\n"},
       {"packed_binary.pcd", pcd + "binary\n" + records},
       {"comment.pcd", "# mine\n" + pcd + "binary\n" + records},
