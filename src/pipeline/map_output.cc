@@ -7,6 +7,7 @@
 
 #include "pipeline/map_colours.h"
 #include "pipeline/tiled_thinning.h"
+#include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_writer.h"
@@ -141,8 +142,12 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
   }
   MapColours colours(record.planes, gate);
   std::vector<std::int32_t> labels = record.labels;
-  const Cloud cloud =
-      WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
+  const DroneMapSite& source = result.site.maps[map];
+  Cloud read = LoadMapCloud(source, record.metric_from_map);
+  if (read.size() != labels.size()) {
+    throw InputError::InFile(source.cloud, "has changed since it was read");
+  }
+  const Cloud cloud = WithoutStrays(std::move(read), voxel, &labels);
   WriteDronePoints(cloud, labels, shifted_from_metric, Thinned(cloud, voxel), writer);
   colours.Add(cloud);
   return colours;
