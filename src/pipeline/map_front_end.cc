@@ -128,9 +128,15 @@ bool SegmentWhole(const DroneMapSite& source, int threads, MapRecord* map) {
 
 // The same by way of tiles on disk.
 bool SegmentInTiles(const DroneMapSite& source, int threads, const MapMemory& memory,
-                    MapRecord* map) {
+                    std::vector<std::string>* warnings, MapRecord* map) {
   auto start = std::chrono::steady_clock::now();
   const TiledCloud tiled = SpillCloud(source.cloud, map->metric_from_map, memory, threads);
+  if (tiled.bytes_of_too_full) {
+    warnings->push_back(source.name +
+                        ": its fullest tiles of 3.2 m go beyond the memory that maps "
+                        "may take, which would have to be " +
+                        std::to_string(1 + *tiled.bytes_of_too_full / 1000000) + " MB");
+  }
   TakeOffsetIn(tiled.shift, map);
   map->tiles = tiled.tiles;
   map->points = tiled.tiles->Points();
@@ -185,7 +191,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   if (const auto assumption = AssumptionOf(source)) warnings->push_back(*assumption);
   SetFrames(source, &map);
   const bool has_normals = IsTooLarge(source, memory, warnings)
-                               ? SegmentInTiles(source, threads, memory, &map)
+                               ? SegmentInTiles(source, threads, memory, warnings, &map)
                                : SegmentWhole(source, threads, &map);
   const auto start = std::chrono::steady_clock::now();
   if (!has_normals && !source.cameras.empty()) {

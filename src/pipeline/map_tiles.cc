@@ -45,6 +45,11 @@ class MovedParts {
 struct Census {
   std::map<TileKey, std::size_t> points;
   std::size_t total = 0;
+  bool has_normals = false, has_colors = false;
+
+  std::uint64_t ScratchBytes() const {
+    return total * TileFile::BytesOfPoint(has_normals, has_colors);
+  }
 };
 
 Census Count(MovedParts* parts) {
@@ -61,6 +66,8 @@ Census Count(MovedParts* parts) {
       ++*at;
     }
     census.total += part.size();
+    census.has_normals = census.has_normals || !part.normals.empty();
+    census.has_colors = census.has_colors || !part.colors.empty();
   }
   const bool again = parts->OffsetCameLate();
   parts->Rewind();
@@ -113,6 +120,7 @@ TiledCloud SpillCloud(const std::string& cloud, const Sim3& metric_from_map,
   MovedParts parts(cloud, metric_from_map);
   const Census census = Count(&parts);
   if (census.total == 0) throw InputError::InFile(cloud, "holds no points (that are finite)");
+  CheckScratchRoom(memory.scratch, census.ScratchBytes());
   // A half for the tiles at work; the planes need room, too.
   const std::uint64_t most = std::max<std::uint64_t>(memory.bytes / 2 / kBytesInSegmentation, 1);
   const int doublings = DoublingsFor(census, most);
@@ -127,7 +135,9 @@ TiledCloud SpillCloud(const std::string& cloud, const Sim3& metric_from_map,
   }
   tiled.tiles->Finish();
   tiled.shift = parts.shift();
-  const std::uint64_t at_once = most / std::max<std::size_t>(tiled.tiles->PointsOfLargest(), 1);
+  const std::size_t fullest = tiled.tiles->PointsOfLargest();
+  if (fullest > most) tiled.bytes_of_too_full = 2 * kBytesInSegmentation * fullest;
+  const std::uint64_t at_once = most / std::max<std::size_t>(fullest, 1);
   tiled.threads = static_cast<int>(
       std::clamp<std::uint64_t>(at_once, 1, static_cast<std::uint64_t>(ResolveThreads(threads))));
   return tiled;

@@ -23,6 +23,8 @@ struct TiledCloud {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   DensitySample density{0};
   int threads = 1;  ///< that may segment tiles at the same time
+  /// The memory that the fullest of the smallest tiles asks for where it is more than there is.
+  std::optional<std::uint64_t> bytes_of_too_full;
 };
 
 /// Reads a cloud twice, part by part: for the number of points everywhere, and into tiles; three

@@ -1,5 +1,7 @@
 #include "pipeline/map_tiles.h"
 
+#include <algorithm>
+
 #include "io/test_files.h"
 #include "planegraph/io/cloud_io.h"
 
@@ -41,6 +43,36 @@ TEST_F(MapTilesTest, TilesDoNotDependOnWhereTheOffsetIsFound) {
   for (std::size_t t = 0; t < a.tiles->count(); ++t) {
     EXPECT_EQ(a.tiles->Load(t).points, b.tiles->Load(t).points);
   }
+}
+
+TEST_F(MapTilesTest, TilesThatStayTooFullSayWhatTheyTake) {
+  std::string points;
+  for (int i = 0; i < 2000; ++i) points += std::to_string(i * 1e-3) + " 0.5 0\n";
+  const std::string path = Write("a.ply", Header(2000) + points);
+  MapMemory memory;
+  memory.scratch = Path("");
+  memory.bytes = 100000;
+  const TiledCloud too_full = SpillCloud(path, Sim3(), memory, 1);
+  ASSERT_TRUE(too_full.bytes_of_too_full);
+  EXPECT_GT(*too_full.bytes_of_too_full, memory.bytes);
+  memory.bytes = *too_full.bytes_of_too_full;
+  EXPECT_FALSE(SpillCloud(path, Sim3(), memory, 1).bytes_of_too_full) << "as it said";
+}
+
+TEST_F(MapTilesTest, TheUserIsWarnedOfTilesThatStayTooFull) {
+  std::string points;
+  for (int i = 0; i < 2000; ++i) points += std::to_string(i * 1e-3) + " 0.5 0\n";
+  Site site;
+  site.maps.emplace_back();
+  site.maps[0].cloud = Write("a.ply", Header(2000) + points);
+  MapMemory memory;
+  memory.scratch = Path("");
+  memory.bytes = 100000;
+  std::vector<std::string> warnings;
+  PrepareMap(site, 0, 1, &warnings, memory);
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("fullest tiles") != std::string::npos;
+  }));
 }
 
 }  // namespace
