@@ -9,6 +9,7 @@
 #include "pipeline/tiled_thinning.h"
 #include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
+#include "planegraph/cloud/voxel_key.h"
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_writer.h"
 #include "planegraph/io/tile_file.h"
@@ -78,6 +79,7 @@ bool IsJoined(const MapResult& result, std::size_t map) {
 // Stereo leaves single points anywhere: beyond this they are no part of a site, and no voxel.
 Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels) {
   constexpr double kFarthest = 1e4, kMostCells = 1e6;
+  static_assert(kMostCells < kMostVoxels);
   const double farthest = voxel > 0 ? std::min(kFarthest, kMostCells * voxel) : kFarthest;
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
