@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "pipeline/camera_sides.h"
 #include "pipeline/map_tiles.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/cloud_io.h"
@@ -53,26 +54,12 @@ void SetGpsSigma(double sigma, Georeference* georeference) {
   georeference->covariance *= factor * factor;
 }
 
-// Clouds without normals: each surface faces most of the cameras, the nearer ones above all. Where
-// they stand on both sides its orientation stays unknown.
-void OrientByCameras(const std::string& file, const Sim3& metric_from_map, PlaneSet* planes) {
-  constexpr double kMajority = 0.5;
+std::vector<Eigen::Vector3d> CameraCentres(const std::string& file, const Sim3& metric_from_map) {
   std::vector<Eigen::Vector3d> centres;
   for (const Camera& camera : ReadCameras(file).cameras) {
     if (camera.valid) centres.push_back(metric_from_map * camera.Centre());
   }
-  for (Patch& patch : planes->patches) {
-    double facing = 0.0, total = 0.0;
-    for (const Eigen::Vector3d& centre : centres) {
-      const Eigen::Vector3d to_camera = centre - patch.moments.mean;
-      const double weight = std::abs(patch.normal.dot(to_camera)) / std::pow(to_camera.norm(), 3);
-      facing += patch.normal.dot(to_camera) > 0.0 ? weight : -weight;
-      total += weight;
-    }
-    if (std::abs(facing) < kMajority * total || total == 0.0) continue;
-    if (facing < 0.0) patch.normal = -patch.normal;
-    patch.orientation = Orientation::kSensor;
-  }
+  return centres;
 }
 
 // A point far off everything is the file's error, not the program's.
@@ -195,7 +182,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
                                : SegmentWhole(source, threads, &map);
   const auto start = std::chrono::steady_clock::now();
   if (!has_normals && !source.cameras.empty()) {
-    OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
+    OrientByCameras(CameraCentres(source.cameras, map.metric_from_map), threads, &map.planes);
   }
   map.seconds_segment += Seconds(start);
   return map;
