@@ -4,12 +4,10 @@
 
 #include "planegraph/base/error.h"
 #include "planegraph/cloud/filters.h"
+#include "planegraph/cloud/voxel_key.h"
 
 namespace planegraph {
 namespace {
-
-constexpr int kBits = 21;  // per axis
-constexpr double kHalf = 1 << (kBits - 1);
 
 struct MixBits {
   std::size_t operator()(std::uint64_t key) const {
@@ -19,16 +17,10 @@ struct MixBits {
   }
 };
 
-std::uint64_t VoxelKey(const Eigen::Vector3f& point, double size) {
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double cell = std::floor(static_cast<double>(point[axis]) / size);
-    if (!(std::abs(cell) < kHalf)) {
-      throw UsageError("voxel: the cloud spans too many voxels of " + std::to_string(size) + " m");
-    }
-    key = key << kBits | static_cast<std::uint64_t>(cell + kHalf);
-  }
-  return key;
+std::uint64_t KeyOf(const Eigen::Vector3f& point, double size) {
+  const std::uint64_t key = VoxelKey(point.cast<double>(), size);
+  if (key != kNoVoxel) return key;
+  throw UsageError("voxel: the cloud spans too many voxels of " + std::to_string(size) + " m");
 }
 
 // Sums over the points of one voxel.
@@ -74,8 +66,8 @@ Cloud VoxelFilter(const Cloud& cloud, double size, VoxelPoint point) {
   std::vector<std::uint32_t> first;
   std::vector<Sums> sums;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const auto [it, added] = voxels.try_emplace(VoxelKey(cloud.points[i], size),
-                                                static_cast<std::uint32_t>(first.size()));
+    const auto [it, added] =
+        voxels.try_emplace(KeyOf(cloud.points[i], size), static_cast<std::uint32_t>(first.size()));
     if (added) first.push_back(static_cast<std::uint32_t>(i));
     if (point != VoxelPoint::kCentroid) continue;
     if (added) sums.emplace_back();

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "planegraph/base/error.h"
+#include "planegraph/cloud/voxel_key.h"
 
 namespace planegraph {
 namespace {
-
-constexpr double kMaxIndex = 1 << 20;
 
 // A set of keys in one flat table: a node per key, as std::unordered_set has it, costs more than
 // all else that is done with a map's points.
@@ -20,34 +19,23 @@ class KeySet {
   explicit KeySet(std::size_t most) {
     std::size_t size = 64;
     while (size < 2 * most) size *= 2;
-    slots_.assign(size, kNone);
+    slots_.assign(size, kNoVoxel);
     mask_ = size - 1;
   }
   // False where the key is there already.
   bool Insert(std::uint64_t key) {
     std::uint64_t hash = (key ^ (key >> 31)) * 0x9E3779B97F4A7C15ull;
     std::uint64_t slot = (hash ^ (hash >> 32)) & mask_;
-    while (slots_[slot] != kNone && slots_[slot] != key) slot = (slot + 1) & mask_;
-    const bool fresh = slots_[slot] == kNone;
+    while (slots_[slot] != kNoVoxel && slots_[slot] != key) slot = (slot + 1) & mask_;
+    const bool fresh = slots_[slot] == kNoVoxel;
     slots_[slot] = key;
     return fresh;
   }
 
  private:
-  static constexpr std::uint64_t kNone = ~0ull;  // keys have 63 bits
   std::vector<std::uint64_t> slots_;
   std::uint64_t mask_ = 0;
 };
-
-std::uint64_t VoxelKey(const Eigen::Vector3d& point, double voxel) {
-  const Eigen::Array3d cell = (point / voxel).array().floor();
-  if (!(cell.abs() < kMaxIndex).all()) throw UsageError("the voxel is too small for the scan");
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    key = (key << 21) | static_cast<std::uint64_t>(cell[axis] + kMaxIndex);
-  }
-  return key;
-}
 
 }  // namespace
 
@@ -66,9 +54,9 @@ std::vector<std::uint32_t> FirstOfEachVoxel(const Cloud& cloud, double voxel) {
   KeySet occupied(cloud.size());
   std::vector<std::uint32_t> first;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (occupied.Insert(VoxelKey(cloud.Position(i), voxel))) {
-      first.push_back(static_cast<std::uint32_t>(i));
-    }
+    const std::uint64_t key = VoxelKey(cloud.Position(i), voxel);
+    if (key == kNoVoxel) throw UsageError("the voxel is too small for the scan");
+    if (occupied.Insert(key)) first.push_back(static_cast<std::uint32_t>(i));
   }
   return first;
 }

@@ -38,13 +38,19 @@ void CloudBuilder::Reserve(std::size_t points) {
 void CloudBuilder::AddLine(std::string_view line, const std::string& file, std::size_t number) {
   Slots slots{};
   FieldReader fields(line, columns_.separator);
+  std::size_t column = 0;
   for (std::size_t i = 0; i < columns_.roles.size(); ++i) {
     const Role role = columns_.roles[i];
-    const auto result = fields.Next(&slots[static_cast<std::size_t>(role)]);
+    const std::size_t width = columns_.widths.empty() ? 1 : columns_.widths[i];
+    auto result = FieldReader::Result::kNumber;
+    for (std::size_t k = 0; k < width && result != FieldReader::Result::kEnd; ++k) {
+      result = fields.Next(&slots[static_cast<std::size_t>(role)]);
+    }
+    column += width;
     if (result == FieldReader::Result::kNumber || role == Role::kSkip) continue;
     const bool missing = result == FieldReader::Result::kEnd;
     throw InputError::AtLine(file, number,
-                             "column " + std::to_string(i + 1) +
+                             "column " + std::to_string(column) +
                                  (missing ? " is missing in " : " is not a number in ") +
                                  Excerpt(line));
   }
@@ -85,6 +91,7 @@ void CloudBuilder::AddPosition(const Eigen::Vector3d& position) {
 void CloudBuilder::MoveOffset(const Eigen::Vector3d& offset) {
   for (Eigen::Vector3f& point : cloud_.points)
     point = (point.cast<double>() - offset).cast<float>();
+  if (!cloud_.points.empty()) late_offset_ = offset;
   cloud_.offset = offset;
   offset_is_fixed_ = true;
 }

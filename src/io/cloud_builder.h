@@ -16,6 +16,8 @@ namespace planegraph {
 /// What the columns of a text mean, from left to right.
 struct TextColumns {
   std::vector<Role> roles;
+  /// How many columns each role has, where not all have one: kSkip may have any number.
+  std::vector<std::size_t> widths = {};
   char separator = ' ';
   /// Colours are multiplied by this (255 where they are written as 0..1).
   double color_scale = 1.0;
@@ -39,6 +41,8 @@ class CloudBuilder {
   /// or is missing; more columns than known are ignored.
   void AddLine(std::string_view line, const std::string& file, std::size_t number);
   Cloud Take() { return std::move(cloud_); }
+  /// The offset that was chosen at a point behind others, which lost digits to a float before.
+  const std::optional<Eigen::Vector3d>& late_offset() const { return late_offset_; }
 
  private:
   using Slots = std::array<double, kRoleCount>;
@@ -49,7 +53,21 @@ class CloudBuilder {
   TextColumns columns_;
   RoleSet has_;
   bool offset_is_fixed_;
+  std::optional<Eigen::Vector3d> late_offset_;
   Cloud cloud_;
 };
+
+/// The cloud of the lines that add_lines(CloudBuilder*) adds: it is called again where the offset
+/// comes late, so that no point is rounded before it is known.
+template <typename AddLines>
+Cloud BuildCloud(TextColumns columns, const AddLines& add_lines) {
+  CloudBuilder builder(columns);
+  add_lines(&builder);
+  if (!builder.late_offset()) return builder.Take();
+  columns.shift = builder.late_offset();
+  builder = CloudBuilder(columns);
+  add_lines(&builder);
+  return builder.Take();
+}
 
 }  // namespace planegraph

@@ -15,6 +15,11 @@
 
 namespace planegraph {
 
+/// The name of a cloud's format: what is asked for, or where that is "auto" by the ending, or else
+/// by the first bytes. Throws InputError where the bytes are another format's, or none is known.
+std::string ChooseCloudFormat(const std::string& path, const std::string& asked,
+                              std::string_view bytes);
+
 Cloud ParsePly(std::string_view bytes, const std::string& file);
 /// The points of a merged map by their sources, read by blocks from the start of a stream that can
 /// seek. Nothing where it is no whole map.ply as MapPlyWriter writes it.

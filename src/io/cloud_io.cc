@@ -36,8 +36,10 @@ std::string FormatOfContent(std::string_view bytes) {
   return "";
 }
 
-std::string ChooseFormat(const std::string& path, const std::string& asked,
-                         std::string_view bytes) {
+}  // namespace
+
+std::string ChooseCloudFormat(const std::string& path, const std::string& asked,
+                              std::string_view bytes) {
   const std::string content = FormatOfContent(bytes);
   std::string format = asked == "auto" ? FormatOfEnding(path) : asked;
   if (format.empty()) format = content;
@@ -50,15 +52,13 @@ std::string ChooseFormat(const std::string& path, const std::string& asked,
   return format;
 }
 
-}  // namespace
-
 Cloud ReadCloud(const std::string& path, const std::string& format) {
   if (format != "auto" && !ParserOf(format)) {
     throw UsageError("unknown cloud format '" + format + "' (auto, ply, pcd, xyz, 3dtk)");
   }
   const FileBytes file(path);
   if (file.view().empty()) throw InputError::InFile(path, "is empty");
-  Cloud cloud = ParserOf(ChooseFormat(path, format, file.view()))(file.view(), path);
+  Cloud cloud = ParserOf(ChooseCloudFormat(path, format, file.view()))(file.view(), path);
   if (cloud.size() == 0) throw InputError::InFile(path, "holds no points (that are finite)");
   return cloud;
 }

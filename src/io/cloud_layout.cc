@@ -91,8 +91,9 @@ TextColumns TextColumnsOf(const PlyElement& vertex, const PlyHeader& header) {
 TextColumns TextColumnsOf(const PcdHeader& header, const std::vector<Role>& roles) {
   TextColumns columns;
   columns.offset = header.offset;
+  columns.roles = roles;
   for (std::size_t i = 0; i < roles.size(); ++i) {
-    columns.roles.insert(columns.roles.end(), header.fields[i].count, roles[i]);
+    columns.widths.push_back(header.fields[i].count);
     const bool is_float = IsFloating(header.fields[i].type);
     if (roles[i] == Role::kPackedColor) columns.packed_is_float = is_float;
     if (roles[i] == Role::kRed && is_float) columns.color_scale = 255.0;
@@ -110,6 +111,7 @@ std::optional<CloudLayout> LayoutOf(const PlyHeader& header, std::uint64_t size,
   layout.offset = header.offset;
   layout.viewpoint = header.viewpoint.value_or(Eigen::Vector3d::Zero());
   layout.lines = header.lines;
+  layout.lines_are = "lines of 'vertex'";
   layout.words = vertex.properties.size();
   layout.swap_bytes = header.encoding == PlyEncoding::kBigEndian;
   if (vertex.HasLists() || !SkipElements(header, vertex, size, file, &layout)) return {};
@@ -135,13 +137,14 @@ std::optional<CloudLayout> LayoutOf(const PcdHeader& header, std::uint64_t size,
   layout.offset = header.offset;
   layout.viewpoint = header.offset.value_or(Eigen::Vector3d::Zero()) + header.viewpoint;
   layout.lines = header.lines;
+  layout.lines_are = "points";
   for (std::size_t i = 0; i < roles.size(); ++i) {
     const PcdField& field = header.fields[i];
     if (roles[i] != Role::kSkip) layout.fields.push_back({roles[i], field.type, layout.stride});
     layout.stride += field.Bytes();
   }
   if (layout.is_text) layout.text = TextColumnsOf(header, roles);
-  layout.words = layout.text.roles.size();
+  layout.words = header.PointValues();
   CheckFits(layout, size, file);
   return layout;
 }

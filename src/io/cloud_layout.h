@@ -31,6 +31,7 @@ struct CloudLayout {
   TextColumns text;
   std::size_t words = 0;  ///< of a line
   std::size_t lines = 0;  ///< before the body
+  std::string lines_are;  ///< what messages call them
   std::optional<Eigen::Vector3d> offset;
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();
 

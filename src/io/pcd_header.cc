@@ -166,6 +166,12 @@ std::size_t PcdHeader::PointBytes() const {
   return bytes;
 }
 
+std::size_t PcdHeader::PointValues() const {
+  std::size_t values = 0;
+  for (const PcdField& field : fields) values += field.count;
+  return values;
+}
+
 PcdHeader ParsePcdHeader(std::string_view bytes, const std::string& file) {
   return HeaderParser(bytes, file).Parse();
 }

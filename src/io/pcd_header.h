@@ -30,6 +30,7 @@ struct PcdHeader {
   std::size_t lines = 0;                  ///< lines of the header
 
   std::size_t PointBytes() const;
+  std::size_t PointValues() const;  ///< words of a line of text
 };
 
 /// Throws InputError with the line.

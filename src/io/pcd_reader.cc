@@ -14,23 +14,22 @@ namespace {
 
 Cloud ParseAscii(std::string_view bytes, const PcdHeader& header, const std::vector<Role>& roles,
                  const std::string& file) {
-  const TextColumns columns = TextColumnsOf(header, roles);
-  CheckLinesFit(bytes.size(), header.body, header.points, columns.roles.size(), file);
-  CloudBuilder builder(columns);
-  builder.Reserve(header.points);
-  LineReader lines(bytes.substr(header.body), header.lines + 1);
-  std::string_view line;
-  for (std::uint64_t have = 0; have < header.points;) {
-    if (!lines.Next(&line)) {
-      throw InputError::AtLine(file, lines.number(),
-                               "the file ends after " + std::to_string(have) + " of " +
-                                   std::to_string(header.points) + " points");
+  CheckLinesFit(bytes.size(), header.body, header.points, header.PointValues(), file);
+  return BuildCloud(TextColumnsOf(header, roles), [&](CloudBuilder* builder) {
+    builder->Reserve(header.points);
+    LineReader lines(bytes.substr(header.body), header.lines + 1);
+    std::string_view line;
+    for (std::uint64_t have = 0; have < header.points;) {
+      if (!lines.Next(&line)) {
+        throw InputError::AtLine(file, lines.number(),
+                                 "the file ends after " + std::to_string(have) + " of " +
+                                     std::to_string(header.points) + " points");
+      }
+      if (Trim(line).empty()) continue;
+      builder->AddLine(line, file, lines.number());
+      ++have;
     }
-    if (Trim(line).empty()) continue;
-    builder.AddLine(line, file, lines.number());
-    ++have;
-  }
-  return builder.Take();
+  });
 }
 
 // In `binary` the fields of a point lie together, in `binary_compressed` the points of a field.

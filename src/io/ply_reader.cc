@@ -143,18 +143,19 @@ Cloud ParseAscii(std::string_view bytes, const PlyHeader& header, const PlyEleme
   }
   CheckLinesFit(bytes.size(), header.body + lines.position(), vertex.count,
                 vertex.properties.size(), file);
-  CloudBuilder builder(TextColumnsOf(vertex, header));
-  builder.Reserve(vertex.count);
   const bool has_lists = vertex.HasLists();
-  for (std::uint64_t i = 0; i < vertex.count; ++i) {
-    if (!NextFilledLine(&lines, &line)) FailAtEnd(lines, vertex, i, file);
-    if (has_lists) {
-      builder.AddLine(WithoutLists(line, vertex, file, lines.number()), file, lines.number());
-    } else {
-      builder.AddLine(line, file, lines.number());
+  return BuildCloud(TextColumnsOf(vertex, header), [&](CloudBuilder* builder) {
+    builder->Reserve(vertex.count);
+    LineReader left = lines;
+    for (std::uint64_t i = 0; i < vertex.count; ++i) {
+      if (!NextFilledLine(&left, &line)) FailAtEnd(left, vertex, i, file);
+      if (has_lists) {
+        builder->AddLine(WithoutLists(line, vertex, file, left.number()), file, left.number());
+      } else {
+        builder->AddLine(line, file, left.number());
+      }
     }
-  }
-  return builder.Take();
+  });
 }
 
 }  // namespace

@@ -100,13 +100,15 @@ class XyzParser {
     if (columns_.roles.empty()) {
       columns_.roles = RolesOfNumbers(NumbersOf(line, columns_.separator));
     }
-    CloudBuilder builder(columns_);
-    builder.Reserve((bytes_.size() - lines_.position()) / std::max<std::size_t>(6, line.size()));
-    do {
-      if (Trim(line).empty() || IsComment(line)) continue;
-      builder.AddLine(line, file_, lines_.number());
-    } while (lines_.Next(&line));
-    Cloud cloud = builder.Take();
+    Cloud cloud = BuildCloud(columns_, [&](CloudBuilder* builder) {
+      LineReader left = lines_;
+      std::string_view next = line;
+      builder->Reserve((bytes_.size() - left.position()) / std::max<std::size_t>(6, line.size()));
+      do {
+        if (Trim(next).empty() || IsComment(next)) continue;
+        builder->AddLine(next, file_, left.number());
+      } while (left.Next(&next));
+    });
     cloud.viewpoint = viewpoint_;
     return cloud;
   }
@@ -138,12 +140,14 @@ Cloud Parse3dtkCloud(std::string_view bytes, const std::string& file) {
     columns.is_3dtk = true;
     columns.roles = {Role::kX, Role::kY, Role::kZ};
     if (numbers.size() == 4) columns.roles.push_back(Role::kIntensity);
-    CloudBuilder builder(columns);
-    builder.Reserve(bytes.size() / std::max<std::size_t>(6, line.size()));
-    do {
-      if (!Trim(line).empty()) builder.AddLine(line, file, lines.number());
-    } while (lines.Next(&line));
-    return builder.Take();
+    return BuildCloud(columns, [&](CloudBuilder* builder) {
+      LineReader left = lines;
+      std::string_view next = line;
+      builder->Reserve(bytes.size() / std::max<std::size_t>(6, line.size()));
+      do {
+        if (!Trim(next).empty()) builder->AddLine(next, file, left.number());
+      } while (left.Next(&next));
+    });
   }
   return Cloud();
 }

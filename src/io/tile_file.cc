@@ -24,11 +24,16 @@ const char* Take(const char* from, std::size_t bytes, void* to) {
 TileFile::TileFile(const std::string& folder, double edge, std::size_t buffer)
     : edge_(edge), buffer_(buffer), points_(folder), labels_(folder) {}
 
+std::size_t TileFile::BytesOfPoint(bool has_normals, bool has_colors) {
+  return kVector + (has_normals ? kVector : 0) + (has_colors ? kColor : 0) + sizeof(std::int32_t);
+}
+
 std::size_t TileFile::RecordBytes() const {
-  return kVector + (has_normals_ ? kVector : 0) + (has_colors_ ? kColor : 0);
+  return BytesOfPoint(has_normals_, has_colors_) - sizeof(std::int32_t);
 }
 
 void TileFile::Begin(const Cloud& part) {
+  if (finished_) throw std::logic_error("the tiles are finished");
   if (part.size() == 0) return;
   const bool normals = !part.normals.empty(), colors = !part.colors.empty();
   if (begun_ && (normals != has_normals_ || colors != has_colors_ || part.offset != empty_.offset ||
@@ -72,6 +77,7 @@ void TileFile::Flush() {
 }
 
 void TileFile::Finish() {
+  finished_ = true;
   Flush();
   std::uint64_t labels = 0;
   for (auto& [key, tile] : growing_) {

@@ -5,8 +5,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kMostCells = 1 << 20;  // from the origin along an axis: 21 bits of a key
-constexpr std::uint64_t kNone = ~0ull;
 constexpr std::uint32_t kEnoughPoints = 1 << 16;  // for a mean; the sums stay within 32 bits
 
 std::uint64_t Mix(std::uint64_t key) {
@@ -33,8 +31,8 @@ std::vector<Surfel> SurfelsIn(const PlaneSet& planes, const SeenParts& seen, dou
 
 void VoxelColours::Add(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.colors.size(); ++i) {
-    const std::uint64_t key = KeyOf(cloud.Position(i));
-    if (key == kNone) continue;
+    const std::uint64_t key = VoxelKey(cloud.Position(i), voxel_);
+    if (key == kNoVoxel) continue;
     Slot& slot = SlotOf(key);
     if (slot.count == kEnoughPoints) continue;
     ++slot.count;
@@ -43,21 +41,11 @@ void VoxelColours::Add(const Cloud& cloud) {
   }
 }
 
-std::uint64_t VoxelColours::KeyOf(const Eigen::Vector3d& point) const {
-  const Eigen::Array3d cell = (point / voxel_).array().floor();
-  if (!(cell.abs() < kMostCells).all()) return kNone;
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    key = (key << 21) | static_cast<std::uint64_t>(cell[axis] + kMostCells);
-  }
-  return key;
-}
-
 VoxelColours::Slot& VoxelColours::SlotOf(std::uint64_t key) {
   const std::uint64_t mask = slots_.size() - 1;
   std::uint64_t at = Mix(key) & mask;
-  while (slots_[at].key != kNone && slots_[at].key != key) at = (at + 1) & mask;
-  if (slots_[at].key == kNone) ++voxels_;
+  while (slots_[at].key != kNoVoxel && slots_[at].key != key) at = (at + 1) & mask;
+  if (slots_[at].key == kNoVoxel) ++voxels_;
   slots_[at].key = key;
   return slots_[at];
 }
@@ -67,18 +55,18 @@ void VoxelColours::Grow() {
   old.swap(slots_);
   voxels_ = 0;
   for (const Slot& slot : old) {
-    if (slot.key != kNone) SlotOf(slot.key) = slot;
+    if (slot.key != kNoVoxel) SlotOf(slot.key) = slot;
   }
 }
 
 std::optional<Rgb> VoxelColours::At(const Eigen::Vector3d& point) const {
-  const std::uint64_t key = KeyOf(point);
-  if (key == kNone) return std::nullopt;
+  const std::uint64_t key = VoxelKey(point, voxel_);
+  if (key == kNoVoxel) return std::nullopt;
   const std::uint64_t mask = slots_.size() - 1;
   std::uint64_t at = Mix(key) & mask;
-  while (slots_[at].key != kNone && slots_[at].key != key) at = (at + 1) & mask;
+  while (slots_[at].key != kNoVoxel && slots_[at].key != key) at = (at + 1) & mask;
   const Slot& slot = slots_[at];
-  if (slot.key == kNone) return std::nullopt;
+  if (slot.key == kNoVoxel) return std::nullopt;
   Rgb mean;
   for (int c = 0; c < 3; ++c) {
     mean[c] = static_cast<std::uint8_t>((slot.sum[c] + slot.count / 2) / slot.count);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planegraph/cloud/cloud.h"
+#include "planegraph/cloud/voxel_key.h"
 #include "planegraph/correspondence/patch_map.h"
 
 namespace planegraph {
@@ -33,11 +34,10 @@ class VoxelColours {
 
  private:
   struct Slot {
-    std::uint64_t key = ~0ull;
+    std::uint64_t key = kNoVoxel;
     std::uint32_t count = 0;
     std::array<std::uint32_t, 3> sum{};
   };
-  std::uint64_t KeyOf(const Eigen::Vector3d& point) const;
   Slot& SlotOf(std::uint64_t key);
   void Grow();
 

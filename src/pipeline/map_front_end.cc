@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "pipeline/camera_sides.h"
 #include "pipeline/map_tiles.h"
 #include "pipeline/model_frame.h"
 #include "planegraph/base/error.h"
@@ -54,26 +55,12 @@ void SetGpsSigma(double sigma, Georeference* georeference) {
   georeference->covariance *= factor * factor;
 }
 
-// Clouds without normals: each surface faces most of the cameras, the nearer ones above all. Where
-// they stand on both sides its orientation stays unknown.
-void OrientByCameras(const std::string& file, const Sim3& metric_from_map, PlaneSet* planes) {
-  constexpr double kMajority = 0.5;
+std::vector<Eigen::Vector3d> CameraCentres(const std::string& file, const Sim3& metric_from_map) {
   std::vector<Eigen::Vector3d> centres;
   for (const Camera& camera : ReadCameras(file).cameras) {
     if (camera.valid) centres.push_back(metric_from_map * camera.Centre());
   }
-  for (Patch& patch : planes->patches) {
-    double facing = 0.0, total = 0.0;
-    for (const Eigen::Vector3d& centre : centres) {
-      const Eigen::Vector3d to_camera = centre - patch.moments.mean;
-      const double weight = std::abs(patch.normal.dot(to_camera)) / std::pow(to_camera.norm(), 3);
-      facing += patch.normal.dot(to_camera) > 0.0 ? weight : -weight;
-      total += weight;
-    }
-    if (std::abs(facing) < kMajority * total || total == 0.0) continue;
-    if (facing < 0.0) patch.normal = -patch.normal;
-    patch.orientation = Orientation::kSensor;
-  }
+  return centres;
 }
 
 // A point far off everything is the file's error, not the program's.
@@ -129,9 +116,15 @@ bool SegmentWhole(const DroneMapSite& source, int threads, MapRecord* map) {
 
 // The same by way of tiles on disk.
 bool SegmentInTiles(const DroneMapSite& source, int threads, const MapMemory& memory,
-                    MapRecord* map) {
+                    std::vector<std::string>* warnings, MapRecord* map) {
   auto start = std::chrono::steady_clock::now();
   const TiledCloud tiled = SpillCloud(source.cloud, map->metric_from_map, memory, threads);
+  if (tiled.bytes_of_too_full) {
+    warnings->push_back(source.name +
+                        ": its fullest tiles of 3.2 m go beyond the memory that maps "
+                        "may take, which would have to be " +
+                        std::to_string(1 + *tiled.bytes_of_too_full / 1000000) + " MB");
+  }
   TakeOffsetIn(tiled.shift, map);
   map->tiles = tiled.tiles;
   map->points = tiled.tiles->Points();
@@ -160,7 +153,8 @@ bool IsTooLarge(const DroneMapSite& source, const MapMemory& memory,
   if (!error && size > memory.bytes) {
     warnings->push_back(source.name +
                         ": its cloud is read as a whole, beyond the memory that maps may take: "
-                        "only PLY and PCD without compression and lists are read in parts");
+                        "only PLY and PCD without compression and lists, and with a header of less "
+                        "than 1 MB, are read in parts");
   }
   return false;
 }
@@ -185,11 +179,11 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
   if (const auto assumption = AssumptionOf(source)) warnings->push_back(*assumption);
   SetFrames(source, &map);
   const bool has_normals = IsTooLarge(source, memory, warnings)
-                               ? SegmentInTiles(source, threads, memory, &map)
+                               ? SegmentInTiles(source, threads, memory, warnings, &map)
                                : SegmentWhole(source, threads, &map);
   const auto start = std::chrono::steady_clock::now();
   if (!has_normals && !source.cameras.empty()) {
-    OrientByCameras(source.cameras, map.metric_from_map, &map.planes);
+    OrientByCameras(CameraCentres(source.cameras, map.metric_from_map), threads, &map.planes);
   }
   if (const auto warning = ModelFrameWarning(source, map)) warnings->push_back(*warning);
   map.seconds_segment += Seconds(start);

@@ -7,7 +7,9 @@
 
 #include "pipeline/map_colours.h"
 #include "pipeline/tiled_thinning.h"
+#include "planegraph/base/error.h"
 #include "planegraph/base/parallel.h"
+#include "planegraph/cloud/voxel_key.h"
 #include "planegraph/evaluation/scan_merge.h"
 #include "planegraph/io/cloud_writer.h"
 #include "planegraph/io/tile_file.h"
@@ -77,6 +79,7 @@ bool IsJoined(const MapResult& result, std::size_t map) {
 // Stereo leaves single points anywhere: beyond this they are no part of a site, and no voxel.
 Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels) {
   constexpr double kFarthest = 1e4, kMostCells = 1e6;
+  static_assert(kMostCells < kMostVoxels);
   const double farthest = voxel > 0 ? std::min(kFarthest, kMostCells * voxel) : kFarthest;
   std::vector<std::uint32_t> near;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
@@ -142,8 +145,12 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
   }
   MapColours colours(record.planes, gate);
   std::vector<std::int32_t> labels = record.labels;
-  const Cloud cloud =
-      WithoutStrays(LoadMapCloud(result.site.maps[map], record.metric_from_map), voxel, &labels);
+  const DroneMapSite& source = result.site.maps[map];
+  Cloud read = LoadMapCloud(source, record.metric_from_map);
+  if (read.size() != labels.size()) {
+    throw InputError::InFile(source.cloud, "has changed since it was read");
+  }
+  const Cloud cloud = WithoutStrays(std::move(read), voxel, &labels);
   WriteDronePoints(cloud, labels, shifted_from_metric, Thinned(cloud, voxel), writer);
   colours.Add(cloud);
   return colours;

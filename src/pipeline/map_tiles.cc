@@ -19,7 +19,7 @@ constexpr int kMostHalvings = 3;
 class MovedParts {
  public:
   MovedParts(const std::string& cloud, const Sim3& metric_from_map)
-      : parts_(cloud), metric_from_map_(metric_from_map) {}
+      : parts_(cloud, kPart, CloudParts::Offset::kOnTheWay), metric_from_map_(metric_from_map) {}
 
   bool Next(Cloud* part) {
     if (!parts_.Next(part)) return false;
@@ -31,9 +31,11 @@ class MovedParts {
     return true;
   }
   void Rewind() { parts_.Rewind(); }
+  bool OffsetCameLate() const { return parts_.OffsetCameLate(); }
   const Eigen::Vector3d& shift() const { return shift_; }
 
  private:
+  static constexpr std::size_t kPart = 65536;
   CloudParts parts_;
   Sim3 metric_from_map_;
   Eigen::Vector3d shift_ = Eigen::Vector3d::Zero();
@@ -43,6 +45,11 @@ class MovedParts {
 struct Census {
   std::map<TileKey, std::size_t> points;
   std::size_t total = 0;
+  bool has_normals = false, has_colors = false;
+
+  std::uint64_t ScratchBytes() const {
+    return total * TileFile::BytesOfPoint(has_normals, has_colors);
+  }
 };
 
 Census Count(MovedParts* parts) {
@@ -59,9 +66,12 @@ Census Count(MovedParts* parts) {
       ++*at;
     }
     census.total += part.size();
+    census.has_normals = census.has_normals || !part.normals.empty();
+    census.has_colors = census.has_colors || !part.colors.empty();
   }
+  const bool again = parts->OffsetCameLate();
   parts->Rewind();
-  return census;
+  return again ? Count(parts) : census;
 }
 
 // Points of the fullest tile, whose edge is 2^doublings of the smallest.
@@ -86,9 +96,9 @@ int DoublingsFor(const Census& census, std::uint64_t most_points) {
 }  // namespace
 
 std::optional<std::uint64_t> BytesAsAWhole(const std::string& cloud) {
-  if (!CloudParts::CanRead(cloud)) return {};
-  const CloudParts parts(cloud, 1);
-  return parts.bytes() + kBytesOfPoint * parts.promised();
+  const auto extent = CloudParts::Measure(cloud);
+  if (!extent) return {};
+  return extent->bytes + kBytesOfPoint * extent->points;
 }
 
 void MoveCloud(const Sim3& target_from_cloud, Cloud* cloud) {
@@ -110,6 +120,7 @@ TiledCloud SpillCloud(const std::string& cloud, const Sim3& metric_from_map,
   MovedParts parts(cloud, metric_from_map);
   const Census census = Count(&parts);
   if (census.total == 0) throw InputError::InFile(cloud, "holds no points (that are finite)");
+  CheckScratchRoom(memory.scratch, census.ScratchBytes());
   // A half for the tiles at work; the planes need room, too.
   const std::uint64_t most = std::max<std::uint64_t>(memory.bytes / 2 / kBytesInSegmentation, 1);
   const int doublings = DoublingsFor(census, most);
@@ -124,7 +135,9 @@ TiledCloud SpillCloud(const std::string& cloud, const Sim3& metric_from_map,
   }
   tiled.tiles->Finish();
   tiled.shift = parts.shift();
-  const std::uint64_t at_once = most / std::max<std::size_t>(tiled.tiles->PointsOfLargest(), 1);
+  const std::size_t fullest = tiled.tiles->PointsOfLargest();
+  if (fullest > most) tiled.bytes_of_too_full = 2 * kBytesInSegmentation * fullest;
+  const std::uint64_t at_once = most / std::max<std::size_t>(fullest, 1);
   tiled.threads = static_cast<int>(
       std::clamp<std::uint64_t>(at_once, 1, static_cast<std::uint64_t>(ResolveThreads(threads))));
   return tiled;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planegraph/cloud/voxel_key.h"
+
 namespace planegraph {
 
 // With a hair's breadth to spare: points may be rounded to either side.
@@ -14,16 +16,13 @@ bool TiledThinning::IsCut(double cell) const {
 
 std::vector<std::uint32_t> TiledThinning::Keep(const Cloud& cloud,
                                                std::vector<std::uint32_t> points) {
-  constexpr double kMost = 1 << 20;  // cells from zero: FirstOfEachVoxel takes no more
   if (!(voxel_ > 0.0)) return points;
   std::erase_if(points, [&](std::uint32_t i) {
-    const Eigen::Array3d cell = (cloud.Position(i) / voxel_).array().floor();
-    if (!IsCut(cell.x()) && !IsCut(cell.y())) return false;
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      key = (key << 21) | static_cast<std::uint64_t>(cell[axis] + kMost);
+    const Eigen::Vector3d point = cloud.Position(i);
+    if (!IsCut(std::floor(point.x() / voxel_)) && !IsCut(std::floor(point.y() / voxel_))) {
+      return false;
     }
-    return !cut_.insert(key).second;
+    return !cut_.insert(VoxelKey(point, voxel_)).second;
   });
   return points;
 }

@@ -26,20 +26,46 @@ double DistanceToNeighbour(const std::vector<Eigen::Vector3f>& points, const Eig
   return std::sqrt(static_cast<double>(nearest.front()));
 }
 
-// The noise of the quietest surfaces, measured over a share of the tiles as one cloud.
-NoiseModel MapNoise(const CloudTiles& tiles, const SegmentationOptions& options) {
-  constexpr std::size_t kEnough = 2000000;
-  std::vector<NoiseSample> samples;
-  std::size_t total = 0;
-  const std::size_t stride = 1 + tiles.Points() / kEnough;
-  for (std::size_t t = 0; t < tiles.count() && total < kEnough; t += stride) {
-    const Cloud tile = tiles.Load(t);
-    const auto more = CollectNoiseSamples(CellOctree(tile, options.cell_size, options.levels), tile,
-                                          options.kind);
-    samples.insert(samples.end(), more.begin(), more.end());
-    total += tile.size();
+// All tiles, in the order in which points that are ever more densely spread over the cloud (van der
+// Corput's sequence) meet them: full ones early, and those with a stray alone at the end.
+std::vector<std::size_t> FullTilesFirst(const CloudTiles& tiles) {
+  std::vector<double> ends;
+  for (std::size_t t = 0; t < tiles.count(); ++t) {
+    ends.push_back((ends.empty() ? 0.0 : ends.back()) + static_cast<double>(tiles.PointsOf(t)));
   }
-  return EstimateNoise(std::move(samples));
+  std::vector<std::size_t> order;
+  std::vector<bool> met(tiles.count(), false);
+  const auto meet = [&](std::size_t tile) {
+    if (!met[tile]) order.push_back(tile);
+    met[tile] = true;
+  };
+  for (std::size_t k = 1; k < 4 * tiles.count(); ++k) {
+    double place = 0.0, share = 0.5;
+    for (std::size_t bits = k; bits > 0; bits /= 2, share /= 2) place += share * (bits % 2);
+    const auto end = std::upper_bound(ends.begin(), ends.end(), place * ends.back());
+    meet(static_cast<std::size_t>(end - ends.begin()));
+  }
+  for (std::size_t t = 0; t < tiles.count(); ++t) meet(t);
+  return order;
+}
+
+// The noise of the quietest surfaces, measured over a share of the tiles as one cloud.
+NoiseModel MapNoise(const CloudTiles& tiles, const SegmentationOptions& options,
+                    std::size_t enough_points) {
+  constexpr std::size_t kEnoughSamples = 240;  // 30 for each bin that EstimateNoise makes
+  std::vector<std::vector<NoiseSample>> samples(tiles.count());
+  std::size_t points = 0, total = 0;
+  for (const std::size_t t : FullTilesFirst(tiles)) {
+    if (points >= enough_points && total >= kEnoughSamples) break;
+    const Cloud tile = tiles.Load(t);
+    samples[t] = CollectNoiseSamples(CellOctree(tile, options.cell_size, options.levels), tile,
+                                     options.kind);
+    points += tile.size();
+    total += samples[t].size();
+  }
+  std::vector<NoiseSample> all;
+  for (const auto& of_tile : samples) all.insert(all.end(), of_tile.begin(), of_tile.end());
+  return EstimateNoise(std::move(all));
 }
 
 // Appends a tile's planes and patches to the whole; its labels become those of the whole.
@@ -107,7 +133,9 @@ SegmentationOptions VisionOptions(const DensitySample& sample) {
 PlaneSet SegmentTiles(const CloudTiles& tiles, const MapSegmentationOptions& options,
                       const TakeLabels& take) {
   SegmentationOptions segmentation = options.segmentation;
-  if (!segmentation.noise) segmentation.noise = MapNoise(tiles, segmentation);
+  if (!segmentation.noise) {
+    segmentation.noise = MapNoise(tiles, segmentation, options.noise_points);
+  }
   PlaneSet whole;
   whole.kind = segmentation.kind;
   whole.noise = *segmentation.noise;

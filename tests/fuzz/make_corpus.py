@@ -48,6 +48,7 @@ write("pcd", "binary", pcd("binary", **rich) + point + struct.pack("<IfHH", 0x10
 write("pcd", "double", pcd("binary", sizes="8 8 8") + struct.pack("<3d", 4e5, 5e6, 100))
 write("pcd", "compressed", pcd("binary_compressed") + struct.pack("<II", 13, 12) + b"\x0b" + point)
 write("pcd", "compressed_run", pcd("binary_compressed") + struct.pack("<II", 5, 12) + b"\x00\x00\xe0\x02\x00")
+write("pcd", "counts", pcd("ascii", fields="ring x y z", sizes="2 4 4 4", types="U F F F", counts="1000000 1 1 1") + b"1 2 3\n")
 write("pcd", "offset", b"# offset 1e6 2 3\n" + pcd("ascii") + b"1 2 3\n")
 
 write("cloud_parts", "ply_seven", ply(LITTLE, f"element face 2\nproperty int w\nelement vertex 7\n{XYZ}{RGB}",

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "io/cloud_formats.h"
+#include "io/cloud_layout.h"
 #include "io/lzf.h"
 #include "io/test_files.h"
 
@@ -154,6 +155,30 @@ TEST(Lzf, StaysInItsBounds) {
                             3),
                 1}};
   for (const auto& c : cases) EXPECT_THROW(UnpackLzf(c.packed, c.size, "f", 0), InputError);
+}
+
+TEST(Pcd, FieldsOfSeveralValuesTakeAsManyColumns) {
+  const Fields fields = {"ring x none y z", "2 4 4 4 4", "U F F F F", "3 1 0 1 1"};
+  const Cloud cloud = ParsePcd(Header("1", "ascii", fields) + "7 ? 9 1 2 3\n", "f.pcd");
+  ASSERT_EQ(cloud.size(), 1u);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_THAT(ErrorOf(Header("1", "ascii", fields) + "7 8 9 10 11 \n"),
+              HasSubstr("column 6 is missing"));
+  EXPECT_THAT(ErrorOf(Header("1", "ascii", fields) + "7 8 9 1 x 3\n"),
+              HasSubstr("column 5 is not a number"));
+}
+
+// A few kilobytes that promise columns by the thousand million.
+TEST(Pcd, CountsTakeNoMemory) {
+  Fields fields;
+  for (int i = 0; i < 3000; ++i) {
+    fields.names += " f", fields.sizes += " 4", fields.types += " F", fields.counts += " 1000000";
+  }
+  const std::string bytes = Header("1", "ascii", fields) + "1 2 3\n";
+  const PcdHeader header = ParsePcdHeader(bytes, "f.pcd");
+  EXPECT_EQ(header.PointValues(), 3000000003u);
+  EXPECT_EQ(TextColumnsOf(header, RolesOf(header, "f.pcd")).roles.size(), 3003u);
+  EXPECT_THAT(ErrorOf(bytes), HasSubstr("promises 1 points"));
 }
 
 TEST(Pcd, BadFilesAreInputErrorsAtOnce) {

@@ -61,6 +61,24 @@ TEST(Xyz, LargeCoordinatesKeepAnOffset) {
   EXPECT_EQ(ParseXyz("9999 0 0\n", "f").offset, Eigen::Vector3d::Zero());
 }
 
+// A cloud on both sides of the 10 km from which on it needs an offset.
+TEST(TextClouds, PointsBeforeTheOneThatGivesTheOffsetKeepTheirDigits) {
+  const std::string lines = "9990.0004 1 2\n10010.25 3 4\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty "
+      "double z\nend_header\n";
+  const std::string pcd =
+      "FIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n";
+  for (const Cloud& cloud :
+       {ParsePly(ply + lines, "f"), ParsePcd(pcd + lines, "f"), ParseXyz(lines, "f"),
+        Parse3dtkCloud("-100 200 999000.04\n-300 400 1001025\n", "f")}) {
+    ASSERT_EQ(cloud.size(), 2u);
+    EXPECT_EQ(cloud.offset.x(), 10010.0);
+    EXPECT_NEAR(cloud.Position(0).x(), 9990.0004, 2e-6);
+    EXPECT_NEAR(cloud.Position(1).x(), 10010.25, 2e-6);
+  }
+}
+
 TEST(Xyz, NonFiniteRowsAreDropped) {
   const Cloud cloud = ParseXyz("nan 1 2\n1 2 3\n1 inf 3\n1e999 0 0\n1e-999 0 0\n", "f");
   ASSERT_EQ(cloud.size(), 2u);

@@ -134,6 +134,37 @@ TEST_F(TileFileTest, AFullDiskIsAnInputError) {
               "has no room for the scratch file");
 }
 
+TEST_F(TileFileTest, ADiskThatIsTooSmallIsKnownBefore) {
+  CheckScratchRoom(Path(""), 1);
+  CheckScratchRoom(Path("nowhere"), 1);
+  try {
+    CheckScratchRoom(Path(""), std::uint64_t{1} << 62);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.reason().find("has no room for the scratch file"), std::string::npos);
+    EXPECT_EQ(error.file(), Path(""));
+  }
+}
+
+TEST_F(TileFileTest, NothingIsAddedToFinishedTiles) {
+  TileFile file(Path(""), 10.0, 0);
+  Fill(Random(10), 10, &file);
+  EXPECT_THROW(file.Add(Random(10)), std::logic_error);
+  EXPECT_EQ(file.Points(), 10u);
+}
+
+TEST_F(TileFileTest, AScratchFileThatIsTooShortSaysSo) {
+  ScratchFile file(Path(""));
+  file.WriteAt(0, "abcd", 4);
+  char read[8];
+  try {
+    file.ReadAt(0, read, 8);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.reason().find("shorter"), std::string::npos) << error.reason();
+  }
+}
+
 TEST_F(TileFileTest, PartsOfDifferentCloudsAreRefused) {
   TileFile file(Path(""), 10.0, 0);
   file.Add(Random(10));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -278,6 +279,20 @@ TEST_F(HybridMap, AMapThatNoScanIsAnchoredToIsLeftOut) {
   EXPECT_EQ(map.laser.size(), static_cast<std::size_t>(std::count_if(
                                   records_.begin(), records_.end(),
                                   [](const Record& record) { return record.source == 0; })));
+}
+
+// Its labels were those of other points.
+TEST_F(HybridMap, AMapThatChangesDuringTheRunIsAnInputError) {
+  const Cloud cloud = ReadCloud(result_->site.maps[0].cloud);
+  for (const int change : {-1, 1}) {
+    std::vector<std::uint32_t> points(cloud.size() - 1);
+    std::iota(points.begin(), points.end(), 0u);
+    if (change > 0) points.insert(points.end(), {0u, 1u});
+    MapResult changed = *result_;
+    changed.site.maps[0].cloud = folder_ + "/changed.ply";
+    WriteCloud(folder_ + "/changed.ply", Select(cloud, points));
+    EXPECT_THROW(WriteOutputs(changed, {folder_ + "/changed", kVoxel, 2}), InputError) << change;
+  }
 }
 
 TEST_F(HybridMap, IsReadBackBySources) {

@@ -91,6 +91,27 @@ TEST(SegmentMap, MeasuresTheNoise) {
   }
 }
 
+// Of a cloud that is too large for it, the noise is measured on some of its tiles: on full ones.
+TEST(SegmentMap, StraysLeaveTheNoiseAsItWas) {
+  constexpr double kSigma = 0.03;
+  const Cloud cloud = SampleFaces(Farm(), {.sigma = kSigma}, 2);
+  std::mt19937_64 engine(5);
+  std::uniform_real_distribution<float> uniform(-500.0f, 500.0f);
+  for (const double tile : {9.0, 25.6, 64.0}) {
+    MapSegmentationOptions options = OptionsFor(cloud, tile);
+    for (const std::size_t enough : {cloud.size() / 20, cloud.size() / 2, 2 * cloud.size()}) {
+      options.noise_points = enough;
+      Cloud strayed = cloud;
+      for (int strays = 0; strays < 4; ++strays) {
+        const double found = SegmentMap(strayed, options).noise.AlongNormal(0.0, 1.0);
+        EXPECT_NEAR(found / kSigma, 1.0, 0.2) << tile << " " << enough << " " << strays;
+        strayed.points.emplace_back(uniform(engine), uniform(engine), 0.0f);
+        strayed.normals.push_back(Eigen::Vector3f::UnitZ());
+      }
+    }
+  }
+}
+
 TEST(SegmentMap, LabelsCoverTheCloud) {
   std::vector<int> faces;
   const RayWorld farm = Farm();

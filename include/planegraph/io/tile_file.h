@@ -10,6 +10,10 @@
 
 namespace planegraph {
 
+/// Throws InputError where the folder's disk has less than `bytes` free; says nothing where that is
+/// not known.
+void CheckScratchRoom(const std::string& folder, std::uint64_t bytes);
+
 /// A file without a name in a folder: it goes away with the program, however that ends. Reads and
 /// writes by several threads at a time do not disturb each other.
 class ScratchFile {
@@ -35,11 +39,15 @@ class ScratchFile {
 /// normals and colours alone are kept.
 class TileFile : public CloudTiles {
  public:
+  /// What a point takes on disk, its label included.
+  static std::size_t BytesOfPoint(bool has_normals, bool has_colors);
+
   /// `folder`: for the scratch file; `edge`: of a tile, metres; `buffer`: bytes.
   TileFile(const std::string& folder, double edge, std::size_t buffer);
 
   /// Adds points, all parts with the same offset and viewpoint and the same attributes. Throws
-  /// InputError where the disk is full, std::invalid_argument where the parts differ.
+  /// InputError where the disk is full, std::invalid_argument where the parts differ,
+  /// std::logic_error after Finish.
   void Add(const Cloud& part);
   /// After the last part, before anything else.
   void Finish();
@@ -73,7 +81,7 @@ class TileFile : public CloudTiles {
 
   double edge_;
   std::size_t buffer_, waiting_ = 0;
-  bool has_normals_ = false, has_colors_ = false, begun_ = false;
+  bool has_normals_ = false, has_colors_ = false, begun_ = false, finished_ = false;
   Cloud empty_;  // what the parts have in common
   std::map<TileKey, Tile> growing_;
   std::vector<Tile> tiles_;

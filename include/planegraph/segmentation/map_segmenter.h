@@ -12,8 +12,8 @@ namespace planegraph {
 /// metres.
 SegmentationOptions VisionOptions(const Cloud& cloud);
 
-/// Points of a cloud that are looked at for its density: equally spaced in its order, 300 000 to
-/// 600 000 of a large one.
+/// Points of a cloud that are looked at for its density: equally spaced in its order, 150 000 to
+/// 300 000 of a large one.
 class DensitySample {
  public:
   /// `total`: points of the whole cloud.
@@ -34,7 +34,9 @@ struct MapSegmentationOptions {
   static constexpr double kTile = 25.6;
   SegmentationOptions segmentation;
   double tile = kTile;  ///< edge of a tile in x and y, metres
-  int threads = 1;      ///< 0: all cores; the result is the same for each number
+  int threads = 1;  ///< 0: all cores; the result is the same for each number
+  /// Of a larger cloud the noise is measured on tiles with about as many points.
+  std::size_t noise_points = 2000000;
 };
 
 /// Planes of a large cloud, segmented once as a whole: tile by tile in x and y, so that beside the
