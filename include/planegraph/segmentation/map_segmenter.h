@@ -34,7 +34,7 @@ struct MapSegmentationOptions {
   static constexpr double kTile = 25.6;
   SegmentationOptions segmentation;
   double tile = kTile;  ///< edge of a tile in x and y, metres
-  int threads = 1;  ///< 0: all cores; the result is the same for each number
+  int threads = 1;      ///< 0: all cores; the result is the same for each number
   /// Of a larger cloud the noise is measured on tiles with about as many points.
   std::size_t noise_points = 2000000;
 };
