@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pipeline/open_directions.h"
+#include "pipeline/tiled_graph.h"
 #include "planegraph/base/median.h"
 
 namespace planegraph {
@@ -226,8 +227,9 @@ std::vector<PlacedMap> AddMaps(const JointProblem& problem, const JointSolution&
   std::vector<PlacedMap> placed;
   for (std::size_t m = 0; m < problem.maps->size(); ++m) {
     const MapRecord& map = (*problem.maps)[m];
-    graph->maps.push_back({map.id, solution.world_from_metric[m], !used.count(m)});
-    placed.push_back({&map.planes, solution.world_from_metric[m]});
+    graph->maps.push_back(
+        {map.id, solution.world_from_metric[m], !used.count(m), static_cast<int>(m)});
+    placed.push_back({&map.planes, solution.world_from_metric[m], PlaceInTiles(solution, m)});
     if (used.count(m) && map.has_position()) AddCameraPositions(map, static_cast<int>(m), graph);
   }
   return placed;
