@@ -77,12 +77,12 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
 }
 
 // Association and solve in turns until no pose moves at the last gate, or the rounds are used up.
-void Rounds(const JointProblem& problem, const MapOptions& options, const MapWeights& weights,
-            const Rest& rest, AssociationOptions* association, JointSolution* solution,
+void Rounds(const JointProblem& problem, const MapOptions& options, const Rest& rest,
+            MapWeights* weights, AssociationOptions* association, JointSolution* solution,
             GroupJudgement* judgement) {
   bool last = false;
   for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
-    Graph graph = BuildGraph(problem, *solution, *association, weights);
+    Graph graph = BuildGraph(problem, *solution, *association, *weights);
     if (judgement != nullptr) judgement->Apply(&graph);
     CutMaps(*solution, &graph);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
@@ -91,6 +91,7 @@ void Rounds(const JointProblem& problem, const MapOptions& options, const MapWei
     last = association->gate <= rest.last_gate &&
            Rests(PosesOf(graph), solution->world_from_scan, rest);
     TakeOver(problem, std::move(graph), solution);
+    WeighBentMaps(problem, *solution, weights, association);
     association->gate = std::max(rest.last_gate, 0.4 * association->gate);
     options.progress("solve", static_cast<double>(solution->rounds + 1) / options.most_rounds);
   }
@@ -291,7 +292,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   JointSolution solution;
   solution.world_from_scan = placement.world_from_scan;
   solution.world_from_metric = placement.world_from_metric;
-  const MapWeights weights = WeighMaps(problem);
+  MapWeights weights = WeighMaps(problem);
   MoveToReceivers(problem, &solution);
   solution.bent_maps = LayOutTiles(problem, solution);
   AssociationOptions association = MeasuredAssociation(problem);
@@ -301,7 +302,7 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
       IsGraduated(PlaneLoss(options)) ? std::make_unique<GroupJudgement>(problem) : nullptr;
   // The last solve may find that the quick ones before it had only come to rest too early.
   do {
-    Rounds(problem, options, weights, rest, &association, &solution, judgement.get());
+    Rounds(problem, options, rest, &weights, &association, &solution, judgement.get());
   } while (!FinishSolve(problem, options, rest, &solution) &&
            solution.rounds < options.most_rounds);
   ListSwitchedOff(problem, options, judgement.get(), &solution);
@@ -329,9 +330,7 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
     result->covariances.push_back(covariance.Pose(i));
     result->unobserved.push_back(covariance.Unobserved(i));
   }
-  for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
-    result->map_covariances.push_back(covariance.Map(m));
-  }
+  ComputeMapCovariances(covariance, result);
   result->odometry_scale_sigmas.assign(result->site.robots.size(), 0.0);
   for (int s = 0; s < static_cast<int>(graph.scales.size()); ++s) {
     result->odometry_scale_sigmas[std::stoul(graph.scales[s].id)] = std::sqrt(covariance.Scale(s));

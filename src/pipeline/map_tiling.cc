@@ -1,8 +1,10 @@
 #include "planegraph/pipeline/map_tiling.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "planegraph/base/disjoint_sets.h"
@@ -56,9 +58,10 @@ void MapGrid::FindTiles(const PlaneSet& planes, const std::string& file) {
   }
   if (heights.empty()) heights[{0, 0}] = {world_from_metric_.translation.z(), 1.0};
   if (heights.size() > kMostTiles) {
-    throw InputError::InFile(file, "tiles of " + std::to_string(tiling_.size) + " m would be " +
-                                       std::to_string(heights.size()) + ", at most " +
-                                       std::to_string(kMostTiles) + " are possible");
+    char text[120];
+    std::snprintf(text, sizeof(text), "tiles of %g m would be %zu, at most %zu are possible",
+                  tiling_.size, heights.size(), kMostTiles);
+    throw InputError::InFile(file, text);
   }
   for (const auto& [cell, height] : heights) {
     const Vector2d middle =
@@ -141,6 +144,15 @@ MapGrid::Blend MapGrid::At(const Vector3d& place) const {
     }
   }
   return blend;
+}
+
+double SigmaOfPlace(const Matrix7d& covariance, const Sim3& world_from_metric,
+                    const Vector3d& place) {
+  if (!covariance.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  const Matrix37 motion = MotionOf(world_from_metric, place);
+  const Eigen::Matrix3d variance = motion * covariance * motion.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(variance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
 }
 
 Vector3d BentMap::operator*(const Vector3d& place) const {

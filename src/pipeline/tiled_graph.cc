@@ -62,6 +62,32 @@ void AddTies(const MapNodes& nodes, std::vector<MapFactor>* factors) {
   }
 }
 
+// Heights of the landmarks, which the laser places, over a map's surfaces.
+std::vector<MapResidual> HeightsOver(const Graph& graph, std::size_t map) {
+  std::vector<MapResidual> heights;
+  for (const PlaneLandmark& plane : graph.planes) {
+    for (const PlaneObservation& seen : plane.observations) {
+      if (seen.map < 0 || graph.maps[seen.map].user_tag != static_cast<int>(map)) continue;
+      const Eigen::Vector3d at = WorldFromObservation(graph, seen) * seen.centroid - plane.anchor;
+      heights.push_back(
+          {plane.anchor, plane.normal, plane.offset - plane.normal.dot(at), 0.0, 0, -1});
+    }
+  }
+  return heights;
+}
+
+// The tile that each scan is over, as what the map is there.
+double VarianceFactorOfTiles(const JointProblem& problem, const JointSolution& solution,
+                             std::size_t map) {
+  const BentMap& bent = solution.bent_maps[map];
+  const Sim3 metric_from_world = solution.world_from_metric[map].Inverse();
+  return MapVarianceFactor(*problem.map_pairs, map, [&](std::size_t scan) {
+    const Rigid3& pose = solution.world_from_scan[scan];
+    const int tile = bent.grid->TileAt(metric_from_world * pose.translation);
+    return bent.world_from_tile[tile].Inverse() * Sim3(pose);
+  });
+}
+
 }  // namespace
 
 std::vector<BentMap> LayOutTiles(const JointProblem& problem, const JointSolution& solution) {
@@ -123,6 +149,44 @@ void TakeMapsOver(const JointProblem& problem, const Graph& graph, JointSolution
     // A map that nothing is registered to has one node.
     bent.world_from_tile.resize(bent.grid->count(), bent.world_from_tile.front());
     solution->world_from_metric[m] = FitBentMap(bent, (*problem.maps)[m].planes).world_from_metric;
+  }
+}
+
+void WeighBentMaps(const JointProblem& problem, const JointSolution& solution, MapWeights* weights,
+                   AssociationOptions* association) {
+  bool any = false;
+  for (std::size_t m = 0; m < solution.bent_maps.size(); ++m) {
+    if (!solution.bent_maps[m].grid) continue;
+    any = true;
+    weights->errors[m] = MeasureMapErrors(HeightsOver(solution.graph, m));
+    weights->factors[m] = VarianceFactorOfTiles(problem, solution, m);
+  }
+  if (any) AllowForMaps(weights->errors, association);
+}
+
+void ComputeMapCovariances(const GraphCovariance& covariance, MapResult* result) {
+  const std::vector<MapNode>& nodes = result->solution.graph.maps;
+  std::vector<std::vector<int>> of_map(result->maps.size());
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    of_map[nodes[n].user_tag].push_back(static_cast<int>(n));
+  }
+  result->tile_sigmas.resize(result->maps.size());
+  for (std::size_t m = 0; m < of_map.size(); ++m) {
+    const BentMap& bent = result->solution.bent_maps[m];
+    if (of_map[m].size() == 1) {
+      result->map_covariances.push_back(covariance.Map(of_map[m].front()));
+      continue;
+    }
+    const PlaneSet& planes = result->maps[m].planes;
+    const std::vector<Matrix7d> by_tiles = FitByTiles(bent, FitBentMap(bent, planes), planes);
+    std::vector<std::pair<int, Matrix7d>> by_nodes;
+    for (std::size_t t = 0; t < by_tiles.size(); ++t) {
+      by_nodes.push_back({of_map[m][t], by_tiles[t]});
+      result->tile_sigmas[m].push_back(SigmaOfPlace(covariance.Map(of_map[m][t]),
+                                                    bent.world_from_tile[t],
+                                                    bent.grid->Middle(static_cast<int>(t))));
+    }
+    result->map_covariances.push_back(covariance.MapMean(by_nodes));
   }
 }
 

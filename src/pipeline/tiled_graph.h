@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "pipeline/graph_building.h"
 #include "planegraph/pipeline/joint_solve.h"
 
 namespace planegraph {
@@ -23,5 +24,14 @@ void CutMaps(const JointSolution& solution, Graph* graph);
 
 /// Takes where maps and tiles stand over from a graph that BuildGraph and CutMaps have made.
 void TakeMapsOver(const JointProblem& problem, const Graph& graph, JointSolution* solution);
+
+/// Measures the errors of bent maps anew, where the last solve has their tiles: what is left of
+/// them is what their surfaces count by in the next one. Without bent maps nothing changes.
+void WeighBentMaps(const JointProblem& problem, const JointSolution& solution, MapWeights* weights,
+                   AssociationOptions* association);
+
+/// Covariances of the maps, of bent ones those of the similarity that is nearest to their tiles,
+/// and how well each tile's place is known.
+void ComputeMapCovariances(const GraphCovariance& covariance, MapResult* result);
 
 }  // namespace planegraph

@@ -62,6 +62,11 @@ class MapGrid {
   std::vector<Tie> ties_;
 };
 
+/// Standard deviation of where a similarity takes a place, in the worst direction, metres; NaN
+/// where nothing holds it.
+double SigmaOfPlace(const Matrix7d& covariance, const Sim3& world_from_metric,
+                    const Eigen::Vector3d& place);
+
 /// A map whose tiles have moved against each other; without a grid it is not cut.
 struct BentMap {
   std::shared_ptr<const MapGrid> grid;

@@ -79,8 +79,10 @@ struct MapResult {
   std::vector<RobotPosition> robot_positions;  ///< by GPS, world
   std::vector<SwitchedOff> refused;            ///< registrations, before the joint solve
   JointSolution solution;
-  std::vector<Matrix6d> covariances;                  ///< by scan; NaN where infinite
-  std::vector<Matrix7d> map_covariances;              ///< by map, of world_from_map
+  std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
+  std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
+  /// By map and tile: of the place of the tile's middle in its worst direction, metres.
+  std::vector<std::vector<double>> tile_sigmas;
   std::shared_ptr<const GraphCovariance> covariance;  ///< of the graph; null without one
   std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
   std::vector<std::vector<UnobservedDirection>> unobserved;
