@@ -5,8 +5,10 @@
 namespace planegraph {
 
 /// L with L^T L = information, of any rank.
-inline Eigen::Matrix3d SquareRoot(const Eigen::Matrix3d& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
+template <int kSize>
+Eigen::Matrix<double, kSize, kSize> SquareRoot(
+    const Eigen::Matrix<double, kSize, kSize>& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kSize, kSize>> solver(information);
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          solver.eigenvectors().transpose();
 }

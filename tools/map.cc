@@ -30,6 +30,9 @@ DEFINE_string(
     covariance, "residuals",
     "what says how large the noise is behind the sigmas of the report: residuals (of each "
     "surface), stated (the noise model alone)");
+DEFINE_double(map_tiles, 0.0,
+              "edge of the tiles that each drone map is cut into because it is bent, metres, in "
+              "place of the site's `tiles: {size}` (0: as the site says)");
 DEFINE_double(map_voxel, 0.05,
               "voxel of the merged map, metres: of each scan one point stays (0: all points)");
 
@@ -234,12 +237,24 @@ int ExitCode(const MapResult& result, const nlohmann::json& report) {
   return 3;
 }
 
+void CutMapsAsFlagged(Site* site) {
+  if (FLAGS_map_tiles == 0.0) return;
+  for (DroneMapSite& map : site->maps) {
+    if (!map.tiles) map.tiles.emplace();
+    map.tiles->size = FLAGS_map_tiles;
+  }
+}
+
 int Run(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   RequireFlag("output_dir");
+  if (FLAGS_map_tiles != 0.0 && !(FLAGS_map_tiles >= MapTiling::kLeastSize)) {
+    throw UsageError("--map_tiles must be at least 1 m (0: as the site says)");
+  }
   MapOptions options = OptionsFromFlags();
   options.progress = ProgressReporter(DrawProgress);
-  const Site site = ReadSite(arguments[0]);
+  Site site = ReadSite(arguments[0]);
+  CutMapsAsFlagged(&site);
   CreateFolder(FLAGS_output_dir);
   MapResult result = MapScans(site, options);
   const double before = SecondsSinceStart();
@@ -259,7 +274,7 @@ Command MapCommand() {
           "SITE.yaml",
           "scans to one consistent map: poses, merged map, report",
           {"output_dir", "optimizer", "plane_factor", "loss", "covariance", "map_voxel",
-           "map_memory", "scratch_dir"},
+           "map_tiles", "map_memory", "scratch_dir"},
           Run};
 }
 

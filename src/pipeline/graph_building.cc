@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pipeline/open_directions.h"
+#include "pipeline/tiled_graph.h"
 #include "planegraph/base/median.h"
 
 namespace planegraph {
@@ -226,8 +227,9 @@ std::vector<PlacedMap> AddMaps(const JointProblem& problem, const JointSolution&
   std::vector<PlacedMap> placed;
   for (std::size_t m = 0; m < problem.maps->size(); ++m) {
     const MapRecord& map = (*problem.maps)[m];
-    graph->maps.push_back({map.id, solution.world_from_metric[m], !used.count(m)});
-    placed.push_back({&map.planes, solution.world_from_metric[m]});
+    graph->maps.push_back(
+        {map.id, solution.world_from_metric[m], !used.count(m), static_cast<int>(m)});
+    placed.push_back({&map.planes, solution.world_from_metric[m], PlaceInTiles(solution, m)});
     if (used.count(m) && map.has_position()) AddCameraPositions(map, static_cast<int>(m), graph);
   }
   return placed;
@@ -283,6 +285,10 @@ MapWeights WeighMaps(const JointProblem& problem) {
   MapWeights weights{problem.placement->errors, {}};
   for (std::size_t m = 0; m < problem.maps->size(); ++m) {
     weights.factors.push_back(MapVarianceFactor(*problem.map_pairs, *problem.placement, m));
+    if (!problem.site->maps[m].tiles) continue;
+    // As a rigid body a bent map errs more than its tiles will.
+    weights.errors[m].block_sigma = MapErrors().block_sigma;
+    weights.factors[m] = 1.0;
   }
   return weights;
 }
@@ -298,11 +304,18 @@ AssociationOptions MeasuredAssociation(const JointProblem& problem) {
   // The floors were measured between two scans; each has its share.
   options.floor_offset = std::max(1e-3, Median(offsets, 2e-3) / std::sqrt(2.0));
   options.floor_tilt = std::max(5e-4, Median(tilts) / std::sqrt(2.0));
-  for (const MapErrors& errors : problem.placement->errors) {
-    options.map_gate = std::max(options.map_gate, 4.0 * errors.sigma);
-    options.map_floor_offset = std::max(options.map_floor_offset, errors.sigma);
-  }
+  AllowForMaps(problem.placement->errors, &options);
   return options;
+}
+
+void AllowForMaps(const std::vector<MapErrors>& maps, AssociationOptions* options) {
+  const AssociationOptions least;
+  options->map_gate = least.map_gate;
+  options->map_floor_offset = least.map_floor_offset;
+  for (const MapErrors& errors : maps) {
+    options->map_gate = std::max(options->map_gate, 4.0 * errors.sigma);
+    options->map_floor_offset = std::max(options->map_floor_offset, errors.sigma);
+  }
 }
 
 Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,

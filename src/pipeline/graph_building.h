@@ -32,6 +32,9 @@ MapWeights WeighMaps(const JointProblem& problem);
 /// first gate is for the scans to set.
 AssociationOptions MeasuredAssociation(const JointProblem& problem);
 
+/// Gates and floors of the maps' surfaces, by the maps' errors.
+void AllowForMaps(const std::vector<MapErrors>& maps, AssociationOptions* options);
+
 /// The graph of one round: scans and maps as nodes where the solution has them, their common planes
 /// by association, odometry, GPS and starts.
 Graph BuildGraph(const JointProblem& problem, const JointSolution& solution,

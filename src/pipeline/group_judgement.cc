@@ -125,7 +125,7 @@ std::vector<SwitchedOff> MeasurementsOff(const JointProblem& problem, const Grap
     } else if (report.tag.map_factor >= 0) {
       const MapFactor& factor = graph.map_factors[report.tag.map_factor];
       list.push_back(MeasurementOff(factor.type, factor.source, report));
-      list.back().target = (*problem.maps)[factor.maps[0]].id;
+      list.back().target = graph.maps[factor.maps[0]].id;
     }
   }
   return list;

@@ -9,6 +9,7 @@
 
 #include "pipeline/graph_building.h"
 #include "pipeline/group_judgement.h"
+#include "pipeline/tiled_graph.h"
 #include "planegraph/base/disjoint_sets.h"
 #include "planegraph/base/median.h"
 #include "planegraph/solve/covariance.h"
@@ -48,13 +49,14 @@ bool Rests(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b, const Res
 }
 
 // Whether GPS alone keeps the graph, or a part of it, in its place.
-bool HeldByPriors(const Graph& graph) { return !graph.map_factors.empty(); }
+bool HeldByPriors(const Graph& graph) {
+  return std::any_of(graph.map_factors.begin(), graph.map_factors.end(),
+                     [](const MapFactor& factor) { return factor.maps.size() == 1; });
+}
 
-void TakeOver(Graph graph, JointSolution* solution) {
+void TakeOver(const JointProblem& problem, Graph graph, JointSolution* solution) {
   solution->world_from_scan = PosesOf(graph);
-  for (std::size_t m = 0; m < graph.maps.size(); ++m) {
-    solution->world_from_metric[m] = graph.maps[m].world_from_map;
-  }
+  TakeMapsOver(problem, graph, solution);
   solution->graph = std::move(graph);
 }
 
@@ -75,26 +77,29 @@ SolveOptions RoundOptions(const MapOptions& options, bool last, bool held_by_pri
 }
 
 // Association and solve in turns until no pose moves at the last gate, or the rounds are used up.
-void Rounds(const JointProblem& problem, const MapOptions& options, const MapWeights& weights,
-            const Rest& rest, AssociationOptions* association, JointSolution* solution,
+void Rounds(const JointProblem& problem, const MapOptions& options, const Rest& rest,
+            MapWeights* weights, AssociationOptions* association, JointSolution* solution,
             GroupJudgement* judgement) {
   bool last = false;
   for (; solution->rounds < options.most_rounds && !last; ++solution->rounds) {
-    Graph graph = BuildGraph(problem, *solution, *association, weights);
+    Graph graph = BuildGraph(problem, *solution, *association, *weights);
     if (judgement != nullptr) judgement->Apply(&graph);
+    CutMaps(*solution, &graph);
     solution->summary = Solve(&graph, RoundOptions(options, false, HeldByPriors(graph)));
     solution->costs.push_back(solution->summary.costs);
     if (judgement != nullptr) judgement->Record(graph, solution->summary, PlaneLoss(options));
     last = association->gate <= rest.last_gate &&
            Rests(PosesOf(graph), solution->world_from_scan, rest);
-    TakeOver(std::move(graph), solution);
+    TakeOver(problem, std::move(graph), solution);
+    WeighBentMaps(problem, *solution, weights, association);
     association->gate = std::max(rest.last_gate, 0.4 * association->gate);
     options.progress("solve", static_cast<double>(solution->rounds + 1) / options.most_rounds);
   }
 }
 
 // The last solve of the last association, to the end; whether it left the poses at rest.
-bool FinishSolve(const MapOptions& options, const Rest& rest, JointSolution* solution) {
+bool FinishSolve(const JointProblem& problem, const MapOptions& options, const Rest& rest,
+                 JointSolution* solution) {
   const double initial_cost = solution->summary.initial_cost;
   solution->summary =
       Solve(&solution->graph, RoundOptions(options, true, HeldByPriors(solution->graph)));
@@ -106,7 +111,7 @@ bool FinishSolve(const MapOptions& options, const Rest& rest, JointSolution* sol
   // Robust losses creep on for long at surfaces that fit nowhere; what counts is that the poses
   // rest.
   solution->summary.converged |= rests;
-  TakeOver(std::move(solution->graph), solution);
+  TakeOver(problem, std::move(solution->graph), solution);
   return rests;
 }
 
@@ -287,8 +292,9 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
   JointSolution solution;
   solution.world_from_scan = placement.world_from_scan;
   solution.world_from_metric = placement.world_from_metric;
-  const MapWeights weights = WeighMaps(problem);
+  MapWeights weights = WeighMaps(problem);
   MoveToReceivers(problem, &solution);
+  solution.bent_maps = LayOutTiles(problem, solution);
   AssociationOptions association = MeasuredAssociation(problem);
   association.gate = kFirstGate;
   const Rest rest = RestOf(problem, options, association);
@@ -296,8 +302,9 @@ JointSolution SolveJointly(const JointProblem& problem, const MapOptions& option
       IsGraduated(PlaneLoss(options)) ? std::make_unique<GroupJudgement>(problem) : nullptr;
   // The last solve may find that the quick ones before it had only come to rest too early.
   do {
-    Rounds(problem, options, weights, rest, &association, &solution, judgement.get());
-  } while (!FinishSolve(options, rest, &solution) && solution.rounds < options.most_rounds);
+    Rounds(problem, options, rest, &weights, &association, &solution, judgement.get());
+  } while (!FinishSolve(problem, options, rest, &solution) &&
+           solution.rounds < options.most_rounds);
   ListSwitchedOff(problem, options, judgement.get(), &solution);
   solution.floor_offset = association.floor_offset;
   solution.floor_tilt = association.floor_tilt;
@@ -323,9 +330,7 @@ void ComputeUncertainty(const std::vector<PairRecord>& pairs, const MapOptions& 
     result->covariances.push_back(covariance.Pose(i));
     result->unobserved.push_back(covariance.Unobserved(i));
   }
-  for (int m = 0; m < static_cast<int>(graph.maps.size()); ++m) {
-    result->map_covariances.push_back(covariance.Map(m));
-  }
+  ComputeMapCovariances(covariance, result);
   result->odometry_scale_sigmas.assign(result->site.robots.size(), 0.0);
   for (int s = 0; s < static_cast<int>(graph.scales.size()); ++s) {
     result->odometry_scale_sigmas[std::stoul(graph.scales[s].id)] = std::sqrt(covariance.Scale(s));

@@ -303,12 +303,19 @@ std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,
 
 double MapVarianceFactor(const std::vector<MapPairRecord>& records, const Placement& placement,
                          std::size_t map) {
+  const Sim3 metric_from_world = placement.world_from_metric[map].Inverse();
+  return MapVarianceFactor(records, map, [&](std::size_t scan) {
+    return metric_from_world * Sim3(placement.world_from_scan[scan]);
+  });
+}
+
+double MapVarianceFactor(const std::vector<MapPairRecord>& records, std::size_t map,
+                         const std::function<Sim3(std::size_t scan)>& metric_from_scan) {
   constexpr double kUnknown = 4.0, kMedianOfChi2 = 0.891;  // six degrees of freedom, over six
   std::vector<double> ratios;
   for (const MapPairRecord& record : records) {
     if (!record.used || record.map != map) continue;
-    const Sim3 expected =
-        placement.world_from_metric[map].Inverse() * Sim3(placement.world_from_scan[record.scan]);
+    const Sim3 expected = metric_from_scan(record.scan);
     const Sim3& found = record.refinement.map_from_group;
     Vector6d difference;
     difference << found.translation - expected.translation,

@@ -92,13 +92,31 @@ Cloud WithoutStrays(Cloud cloud, double voxel, std::vector<std::int32_t>* labels
   return Select(cloud, near);
 }
 
+// Where a map's points go: to the world less an offset.
+struct Placing {
+  Placing(const MapResult& result, std::size_t map, const Eigen::Vector3d& offset_)
+      : shifted_from_metric(result.solution.world_from_metric[map]), offset(offset_) {
+    shifted_from_metric.translation -= offset;
+    const auto& bent_maps = result.solution.bent_maps;
+    if (map < bent_maps.size() && bent_maps[map].grid) bent = &bent_maps[map];
+  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& place) const {
+    if (bent != nullptr) return *bent * place - offset;
+    return shifted_from_metric * place;
+  }
+
+  Sim3 shifted_from_metric;
+  const BentMap* bent = nullptr;
+  Eigen::Vector3d offset;
+};
+
 void WriteDronePoints(const Cloud& cloud, const std::vector<std::int32_t>& labels,
-                      const Sim3& shifted_from_metric, const std::vector<std::uint32_t>& kept,
+                      const Placing& placing, const std::vector<std::uint32_t>& kept,
                       MapPlyWriter* writer) {
   for (const std::uint32_t i : kept) {
     const Rgb colour = cloud.colors.empty() ? Subdued(PlaneColour(labels[i])) : cloud.colors[i];
-    writer->Add((shifted_from_metric * cloud.Position(i)).cast<float>(), colour,
-                PointSource::kVision, -1, labels[i]);
+    writer->Add((placing * cloud.Position(i)).cast<float>(), colour, PointSource::kVision, -1,
+                labels[i]);
   }
 }
 
@@ -118,14 +136,14 @@ SeenParts PartsSeen(const MapResult& result, std::size_t map) {
 }
 
 // The points of a map that does not fit in memory, tile by tile.
-void WriteTiles(const TileFile& tiles, const Sim3& shifted_from_metric, double voxel,
-                MapColours* colours, MapPlyWriter* writer) {
+void WriteTiles(const TileFile& tiles, const Placing& placing, double voxel, MapColours* colours,
+                MapPlyWriter* writer) {
   TiledThinning thinning(voxel, tiles.edge());
   for (std::size_t t = 0; t < tiles.count(); ++t) {
     std::vector<std::int32_t> labels = tiles.ReadLabels(t);
     const Cloud cloud = WithoutStrays(tiles.Load(t), voxel, &labels);
     const auto kept = thinning.Keep(cloud, Thinned(cloud, voxel));
-    WriteDronePoints(cloud, labels, shifted_from_metric, kept, writer);
+    WriteDronePoints(cloud, labels, placing, kept, writer);
     colours->Add(cloud);
   }
 }
@@ -135,12 +153,11 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
                          double voxel, MapPlyWriter* writer) {
   constexpr double kLeastGate = 0.1, kWidestGate = 0.4;  // metres; walls are not much thicker
   const MapRecord& record = result.maps[map];
-  Sim3 shifted_from_metric = result.solution.world_from_metric[map];
-  shifted_from_metric.translation -= offset;
+  const Placing placing(result, map, offset);
   const double gate = std::clamp(4 * MapSigma(result, map), kLeastGate, kWidestGate);
   if (record.tiles) {
     MapColours colours(record.planes, gate, PartsSeen(result, map));
-    WriteTiles(*record.tiles, shifted_from_metric, voxel, &colours, writer);
+    WriteTiles(*record.tiles, placing, voxel, &colours, writer);
     return colours;
   }
   MapColours colours(record.planes, gate);
@@ -151,7 +168,7 @@ MapColours WriteDroneMap(const MapResult& result, std::size_t map, const Eigen::
     throw InputError::InFile(source.cloud, "has changed since it was read");
   }
   const Cloud cloud = WithoutStrays(std::move(read), voxel, &labels);
-  WriteDronePoints(cloud, labels, shifted_from_metric, Thinned(cloud, voxel), writer);
+  WriteDronePoints(cloud, labels, placing, Thinned(cloud, voxel), writer);
   colours.Add(cloud);
   return colours;
 }
@@ -173,9 +190,23 @@ struct ColourSource {
   const MapColours* colours;
   Sim3 metric_from_scan;
   std::vector<Eigen::Vector3d> normals;  // of the scan's planes, metric axes
+  const MapGrid* grid = nullptr;         // of a bent map
+  std::vector<Sim3> tile_from_scan = {};
+
+  Eigen::Vector3d PlaceOf(const Eigen::Vector3d& x_in_scan) const {
+    const Eigen::Vector3d place = metric_from_scan * x_in_scan;
+    return grid == nullptr ? place : tile_from_scan[grid->TileAt(place)] * x_in_scan;
+  }
+
+  void Bend(const BentMap& map, const Rigid3& world_from_scan) {
+    grid = map.grid.get();
+    for (std::size_t t = 0; grid != nullptr && t < map.world_from_tile.size(); ++t) {
+      tile_from_scan.push_back(map.world_from_tile[t].Inverse() * Sim3(world_from_scan));
+    }
+  }
 
   std::optional<Rgb> Of(const Eigen::Vector3d& x_in_scan, std::int32_t plane) const {
-    const Eigen::Vector3d point = metric_from_scan * x_in_scan;
+    const Eigen::Vector3d point = PlaceOf(x_in_scan);
     return plane < 0 ? colours->At(point)
                      : colours->OnPlane(point, normals[static_cast<std::size_t>(plane)]);
   }
@@ -194,6 +225,9 @@ std::vector<ColourSource> SourcesOf(const MapResult& result, std::size_t scan,
                         {}};
     for (const PlaneSegment& plane : result.scans[scan].planes.planes) {
       source.normals.push_back(source.metric_from_scan.rotation * plane.plane.normal);
+    }
+    if (pair.map < result.solution.bent_maps.size()) {
+      source.Bend(result.solution.bent_maps[pair.map], result.solution.world_from_scan[scan]);
     }
     sources.push_back(std::move(source));
   }

@@ -234,6 +234,10 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   MapResult result;
   result.site = site;
   result.warnings = OdometryWarnings(site);
+  for (const DroneMapSite& map : site.maps) {
+    if (!map.tiles || options.optimizer == "graph") continue;
+    result.warnings.push_back(map.name + ": it stays one piece: tiles need the optimizer graph");
+  }
   {
     Lap lap(&result.seconds.front_end);
     result.scans = PrepareScans(site, options);

@@ -13,7 +13,8 @@ using Json = nlohmann::json;
 
 std::string NameOf(const MapResult& result, int node) {
   const int scans = static_cast<int>(result.scans.size());
-  return node < scans ? result.scans[node].id : result.maps[node - scans].id;
+  if (node < scans) return result.scans[node].id;
+  return result.maps[result.solution.graph.maps[node - scans].user_tag].id;
 }
 
 std::string SigmaText(MotionKind kind, double sigma) {

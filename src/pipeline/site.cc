@@ -41,6 +41,7 @@ class SiteReader : private YamlReader {
   std::optional<GravityPrior> Gravity(const YAML::Node& node) const;
   OdometryNoise Noise(const YAML::Node& node) const;
   std::optional<double> Positive(const YAML::Node& map, const std::string& key) const;
+  MapTiling Tiles(const YAML::Node& node) const;
   GeodeticPosition Origin(const YAML::Node& node) const;
 };
 
@@ -270,14 +271,28 @@ GeodeticPosition SiteReader::Origin(const YAML::Node& node) const {
   return origin;
 }
 
+MapTiling SiteReader::Tiles(const YAML::Node& node) const {
+  if (!node.IsMap()) Fail(node, "tiles needs its keys by name: {size: 30}");
+  AllowKeys(node, {"size", "sigma_scale", "sigma_rotation_deg", "sigma_translation"});
+  MapTiling tiles;
+  tiles.size = Positive(node, "size").value_or(tiles.size);
+  if (tiles.size < MapTiling::kLeastSize) Fail(node["size"], "size must be at least 1 m");
+  tiles.sigma_scale = Positive(node, "sigma_scale").value_or(tiles.sigma_scale);
+  const auto degrees = Positive(node, "sigma_rotation_deg");
+  if (degrees) tiles.sigma_rotation = *degrees * std::numbers::pi / 180.0;
+  tiles.sigma_translation = Positive(node, "sigma_translation").value_or(tiles.sigma_translation);
+  return tiles;
+}
+
 DroneMapSite SiteReader::Map(const YAML::Node& node) const {
   AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma",
-                   "gravity", "reference"});
+                   "gravity", "reference", "tiles"});
   DroneMapSite map{Text(node, "name", ""),     File(node, "cloud"),
                    File(node, "cameras"),      File(node, "gps"),
                    File(node, "image_times"),  Positive(node, "scale_sigma"),
                    Positive(node, "gps_sigma")};
   map.gravity = Gravity(node["gravity"]);
+  if (node["tiles"]) map.tiles = Tiles(node["tiles"]);
   map.reference = File(node, "reference");
   if (!map.reference.empty()) map.true_scale = ReadTrueScale(map.reference);
   if (map.name.empty()) Fail(node, "a map needs a `name`");

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "planegraph/base/counted.h"
 #include "report/html.h"
 #include "report/sections.h"
 
@@ -44,6 +45,12 @@ std::string NoteText(const ReportMap& map) {
   if (!gps.is_object()) note = "no positions of its cameras";
   if (gps.is_object() && TextAt(gps, {"status"}) != "ok") {
     note = "no place by GPS: " + Escape(TextAt(gps, {"reason"}));
+  }
+  const Json& tiles = Get(*map.json, {"tiles"});
+  if (tiles.is_object()) {
+    note += (note.empty() ? "" : "; ") + Counted(Get(tiles, {"nodes"}).size(), "tile") +
+            ", bent by " + FixedOrDash(NumberAt(tiles, {"rms"}), 0, 1000.0) + "\u00a0mm rms, " +
+            FixedOrDash(NumberAt(tiles, {"largest"}), 0, 1000.0) + "\u00a0mm at most";
   }
   if (map.anchored == 0) note += (note.empty() ? "" : "; ") + std::string("not in map.ply");
   return note;

@@ -21,15 +21,18 @@ struct Node {
   const PlaneSet* planes;
   Sim3 world_from_node;
   bool is_map;
+  std::function<const Sim3&(const Eigen::Vector3d& place)> world_from_place;  // of a bent map
 };
 
 std::vector<Node> Nodes(const std::vector<const PlaneSet*>& scans, const std::vector<Rigid3>& poses,
                         const std::vector<PlacedMap>& maps) {
   std::vector<Node> nodes;
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    nodes.push_back({scans[s], Sim3(poses[s]), false});
+    nodes.push_back({scans[s], Sim3(poses[s]), false, {}});
   }
-  for (const PlacedMap& map : maps) nodes.push_back({map.planes, map.world_from_map, true});
+  for (const PlacedMap& map : maps) {
+    nodes.push_back({map.planes, map.world_from_map, true, map.world_from_place});
+  }
   return nodes;
 }
 
@@ -110,9 +113,11 @@ Associator::Associator(std::vector<Node> nodes, std::size_t scan_count,
                        const AssociationOptions& options)
     : nodes_(std::move(nodes)), scan_count_(scan_count), options_(options) {
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    const Sim3& world_from_node = nodes_[n].world_from_node;
-    for (std::size_t i = 0; i < nodes_[n].planes->patches.size(); ++i) {
-      const Patch& patch = nodes_[n].planes->patches[i];
+    const Node& node = nodes_[n];
+    for (std::size_t i = 0; i < node.planes->patches.size(); ++i) {
+      const Patch& patch = node.planes->patches[i];
+      const Sim3& world_from_node =
+          node.world_from_place ? node.world_from_place(patch.moments.mean) : node.world_from_node;
       patches_.push_back({world_from_node * patch.moments.mean,
                           world_from_node.rotation * patch.normal, static_cast<std::int32_t>(n),
                           static_cast<std::int32_t>(i), 0});

@@ -62,12 +62,12 @@ class GraphCovariance::Implementation {
     // What is observed is asked of the stated noise: a threshold on geometry.
     plane_information_ = std::make_unique<PoseInformation>(NodeNumbers(graph));
     AddAllPlaneInformation(linear_, plane_information_.get());
+    const bool by_residuals =
+        covariance_options.noise == CovarianceNoise::kResiduals && HasPlanes(options);
+    if (!by_residuals) all_ = AllSystem(*plane_information_);
+    AddTies();
     planes_ = std::make_unique<PoseSystem>(*plane_information_, GaugeFixed(graph, false));
-    if (covariance_options.noise == CovarianceNoise::kResiduals && HasPlanes(options)) {
-      SetByResiduals();
-    } else {
-      all_ = AllSystem(*plane_information_);
-    }
+    if (by_residuals) SetByResiduals();
   }
 
   const Graph& graph() const { return graph_; }
@@ -94,11 +94,20 @@ class GraphCovariance::Implementation {
   Matrix7d MapCovariance(int map) const {
     const int node = NodeNumbers(graph_).Of({BlockKind::kMap, map});
     Matrix7d covariance = Symmetric(all_->Covariance(node, node));
-    for (int k = 0; k < 7; ++k) {
-      if (covariance(k, k) <= all_->InfiniteVariance(node, k)) continue;
-      covariance.row(k).setConstant(kNotANumber);
-      covariance.col(k).setConstant(kNotANumber);
+    SetUnknownOfMap({node}, &covariance);
+    return covariance;
+  }
+
+  Matrix7d MeanOfMaps(const std::vector<std::pair<int, Matrix7d>>& by_maps) const {
+    Quantity quantity;
+    std::vector<int> nodes;
+    for (const auto& [map, derivative] : by_maps) {
+      nodes.push_back(NodeNumbers(graph_).Of({BlockKind::kMap, map}));
+      quantity.push_back({nodes.back(), derivative});
     }
+    // By solving once: the blocks between tiles that are far from each other are not at hand.
+    Matrix7d covariance = Symmetric(all_->CovarianceOf(Gradient(*all_, quantity)));
+    SetUnknownOfMap(nodes, &covariance);
     return covariance;
   }
 
@@ -154,6 +163,22 @@ class GraphCovariance::Implementation {
   static bool HasPlanes(const SolveOptions& options) {
     const FactorType& type = BuiltinFactors().Get(options.plane_factor, FactorKind::kPlane);
     return type.plane_blocks || !type.linearized_as.empty();
+  }
+
+  void SetUnknownOfMap(const std::vector<int>& nodes, Matrix7d* covariance) const {
+    for (int k = 0; k < 7; ++k) {
+      double limit = kInfinity;
+      for (const int node : nodes) limit = std::min(limit, all_->InfiniteVariance(node, k));
+      if ((*covariance)(k, k) <= limit) continue;
+      covariance->row(k).setConstant(kNotANumber);
+      covariance->col(k).setConstant(kNotANumber);
+    }
+  }
+
+  void AddTies() {
+    for (const LinearizedPoseFactor& factor : linear_.pose_factors) {
+      if (TiesMaps(graph_, factor)) AddPoseFactorInformation(factor, plane_information_.get());
+    }
   }
 
   std::unique_ptr<PoseSystem> AllSystem(PoseInformation information) const {
@@ -281,6 +306,10 @@ MatrixXd GraphCovariance::Relatives(int target, const std::vector<int>& sources)
 }
 
 Matrix7d GraphCovariance::Map(int map) const { return implementation_->MapCovariance(map); }
+
+Matrix7d GraphCovariance::MapMean(const std::vector<std::pair<int, Matrix7d>>& by_maps) const {
+  return implementation_->MeanOfMaps(by_maps);
+}
 
 double GraphCovariance::Scale(int scale) const { return implementation_->ScaleVariance(scale); }
 

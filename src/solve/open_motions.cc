@@ -57,6 +57,7 @@ class Finder {
   Finder(const Graph& graph, const PoseInformation& information, const CovarianceOptions& options)
       : graph_(graph), information_(information), options_(options), sets_(NodeCount(graph)) {
     for (const auto& [key, block] : information.blocks()) sets_.Join(key.first, key.second);
+    FindFollowers();
     ChooseReferences();
     system_ = std::make_unique<PoseSystem>(information, gauge_);
   }
@@ -77,10 +78,12 @@ class Finder {
     return graph.poses.size() + graph.maps.size();
   }
   bool IsMap(int node) const { return node >= static_cast<int>(graph_.poses.size()); }
-  // Maps that no scan is registered to take no part.
+  // Maps that no scan is registered to take no part. Of maps that are tied, the tiles of one, the
+  // best observed stands for all: how they bend is no motion of the whole.
   bool TakesPart(int node) const {
-    return !IsMap(node) || information_.blocks().count({node, node}) > 0;
+    return !IsMap(node) || (information_.blocks().count({node, node}) > 0 && !follows_.count(node));
   }
+  void FindFollowers();
   void ChooseReferences();
   double Hold(int node) const;
   void AddComponents(std::vector<OpenMotion>* motions) const;
@@ -99,6 +102,7 @@ class Finder {
   const PoseInformation& information_;
   const CovarianceOptions& options_;
   DisjointSets sets_;
+  std::set<int> follows_;  // tied maps for which another stands
   Gauge gauge_;
   std::map<int, std::vector<int>> components_;  // by their references
   std::unique_ptr<PoseSystem> system_;
@@ -115,6 +119,26 @@ double Finder::Hold(int node) const {
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(block, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
+void Finder::FindFollowers() {
+  const int poses = static_cast<int>(graph_.poses.size());
+  DisjointSets tied(NodeCount(graph_));
+  std::set<int> tiles;
+  for (const MapFactor& factor : graph_.map_factors) {
+    if (factor.maps.size() != 2) continue;
+    tied.Join(poses + factor.maps[0], poses + factor.maps[1]);
+    tiles.insert({poses + factor.maps[0], poses + factor.maps[1]});
+  }
+  std::map<std::size_t, int> best;
+  const auto scale = [&](int node) { return information_.blocks().at({node, node})(6, 6); };
+  for (const int tile : tiles) {
+    int& leader = best.try_emplace(tied.Find(tile), tile).first->second;
+    if (scale(tile) > scale(leader)) leader = tile;
+  }
+  for (const int tile : tiles) {
+    if (best.at(tied.Find(tile)) != tile) follows_.insert(tile);
+  }
+}
+
 void Finder::ChooseReferences() {
   const int count = static_cast<int>(NodeCount(graph_));
   gauge_.poses.assign(graph_.poses.size(), false);
@@ -122,7 +146,7 @@ void Finder::ChooseReferences() {
   std::map<std::size_t, std::vector<int>> by_set;
   for (int node = 0; node < count; ++node) {
     if (TakesPart(node)) by_set[sets_.Find(static_cast<std::size_t>(node))].push_back(node);
-    if (!TakesPart(node)) gauge_.maps[node - graph_.poses.size()] = true;
+    if (!TakesPart(node) && !follows_.count(node)) gauge_.maps[node - graph_.poses.size()] = true;
   }
   for (auto& [first, nodes] : by_set) {
     int best = nodes.front();

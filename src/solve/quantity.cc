@@ -55,6 +55,10 @@ double InfiniteVariance(const PoseSystem& system, const Quantity& quantity, bool
   return limit;
 }
 
+bool TiesMaps(const Graph& graph, const LinearizedPoseFactor& factor) {
+  return factor.tag.map_factor >= 0 && graph.map_factors[factor.tag.map_factor].maps.size() == 2;
+}
+
 // The variance g^T H^-1 g is x^T H x with x = H^-1 g, and H is the sum of its factors: each has its
 // share in holding the direction.
 std::string HolderOf(const Graph& graph, const LinearizedGraph& linear, const PoseSystem& system,
@@ -62,6 +66,7 @@ std::string HolderOf(const Graph& graph, const LinearizedGraph& linear, const Po
   const NodeNumbers numbers(graph);
   std::map<std::string, double> shares;
   for (const LinearizedPoseFactor& factor : linear.pose_factors) {
+    if (TiesMaps(graph, factor)) continue;  // it holds a map's shape, not its place
     VectorXd moved = VectorXd::Zero(factor.jacobians[0].rows());
     for (std::size_t k = 0; k < factor.blocks.size(); ++k) {
       const int node = numbers.Of(factor.blocks[k]);

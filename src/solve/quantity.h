@@ -22,6 +22,9 @@ Eigen::MatrixXd CovarianceOf(const PoseSystem& system, const Quantity& quantity)
 /// The variance from which a direction of it is infinite: the least one of its nodes.
 double InfiniteVariance(const PoseSystem& system, const Quantity& quantity, bool rotation);
 
+/// Whether a factor ties two maps to each other.
+bool TiesMaps(const Graph& graph, const LinearizedPoseFactor& factor);
+
 /// What holds a direction with gradient g most, by its response H^-1 g: the `source` of a factor of
 /// poses or maps.
 std::string HolderOf(const Graph& graph, const LinearizedGraph& linear, const PoseSystem& system,

@@ -104,7 +104,11 @@ ceres::LinearSolverType ChooseSolver(const Graph& graph, const Assembly& assembl
   }
   if (wanted == LinearSolver::kDenseSchur) return ceres::DENSE_SCHUR;
   if (wanted == LinearSolver::kSparseSchur) return ceres::SPARSE_SCHUR;
-  return graph.poses.size() <= kDenseSchurPoses ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+  // Tiles of maps hang together by neighbours only, as poses do.
+  const auto ties = std::count_if(graph.map_factors.begin(), graph.map_factors.end(),
+                                  [](const MapFactor& factor) { return factor.maps.size() == 2; });
+  const std::size_t nodes = graph.poses.size() + static_cast<std::size_t>(ties) / 2;
+  return nodes <= kDenseSchurPoses ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
 }
 
 // Planes first: no residual joins two of them.

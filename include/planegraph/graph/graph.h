@@ -28,6 +28,7 @@ struct MapNode {
   std::string id;
   Sim3 world_from_map;
   bool fixed = false;  ///< held by the gauge
+  int user_tag = -1;   ///< the caller's: which drone map this is, or is a tile of
 };
 
 /// A scale that measurements have in common, say the metres that a metre of a robot's odometry is
@@ -105,7 +106,9 @@ PoseFactor MakePosePrior(int pose, const Rigid3& world_from_node, const Matrix6d
 /// A measurement of one map, or between two. For `camera_position`: the map and one of its cameras,
 /// `point` (map frame) at `position` (world, metres) by GPS, `information` in its upper left 3x3
 /// block. For `map_gravity`: `point` is the direction upwards in the map, `position` that in the
-/// world. For `map_tie`: maps (target, source) with `measurement` target_from_source.
+/// world. For `map_tie`: maps (target, source) with `measurement` target_from_source; `point`
+/// (target's frame) is what both hold, say on their common border, `information` 7x7 in the order x
+/// y z rx ry rz log(scale), metres of the world, target's axes.
 struct MapFactor {
   std::string type = "camera_position";
   std::vector<int> maps;

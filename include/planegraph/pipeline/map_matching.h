@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -63,5 +64,8 @@ std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,
 /// common to all that one scan sees of it.
 double MapVarianceFactor(const std::vector<MapPairRecord>& records, const Placement& placement,
                          std::size_t map);
+/// The same against where `metric_from_scan` has the scans.
+double MapVarianceFactor(const std::vector<MapPairRecord>& records, std::size_t map,
+                         const std::function<Sim3(std::size_t scan)>& metric_from_scan);
 
 }  // namespace planegraph

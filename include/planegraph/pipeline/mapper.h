@@ -9,6 +9,7 @@
 #include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/map_front_end.h"
 #include "planegraph/pipeline/map_matching.h"
+#include "planegraph/pipeline/map_tiling.h"
 #include "planegraph/pipeline/robot_positions.h"
 #include "planegraph/pipeline/site.h"
 #include "planegraph/pipeline/switched_off.h"
@@ -49,7 +50,8 @@ std::string LossText(const MapOptions& options);
 /// What the joint solve left behind.
 struct JointSolution {
   std::vector<Rigid3> world_from_scan;
-  std::vector<Sim3> world_from_metric;  ///< of each map
+  std::vector<Sim3> world_from_metric;  ///< of each map; of a bent one the nearest similarity
+  std::vector<BentMap> bent_maps;       ///< by map; without a grid where it has no tiles
   Graph graph;                          ///< with the landmarks of the last round
   SolveSummary summary;
   std::vector<std::vector<double>> costs;  ///< of every solve: each has an association of its own
@@ -77,8 +79,10 @@ struct MapResult {
   std::vector<RobotPosition> robot_positions;  ///< by GPS, world
   std::vector<SwitchedOff> refused;            ///< registrations, before the joint solve
   JointSolution solution;
-  std::vector<Matrix6d> covariances;                  ///< by scan; NaN where infinite
-  std::vector<Matrix7d> map_covariances;              ///< by map, of world_from_map
+  std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
+  std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
+  /// By map and tile: of the place of the tile's middle in its worst direction, metres.
+  std::vector<std::vector<double>> tile_sigmas;
   std::shared_ptr<const GraphCovariance> covariance;  ///< of the graph; null without one
   std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
   std::vector<std::vector<UnobservedDirection>> unobserved;

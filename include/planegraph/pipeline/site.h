@@ -60,6 +60,18 @@ struct RobotSite {
   std::optional<GravityPrior> gravity;  ///< in the frame of every scan
 };
 
+/// Tiles that a drone map is cut into because it is bent: one similarity each. The standard
+/// deviations are those of two neighbours whose middles are kSection apart; their variances grow
+/// with that distance. The defaults are those of ALGORITHMS 6.7.
+struct MapTiling {
+  static constexpr double kSection = 30.0;               ///< metres
+  static constexpr double kLeastSize = 1.0;              ///< metres: less than a surface is no tile
+  double size = 30.0;                                    ///< edge of a tile, metres
+  double sigma_scale = 0.002;                            ///< relative
+  double sigma_rotation = 0.1 * std::numbers::pi / 180;  ///< radians, per axis
+  double sigma_translation = 0.03;                       ///< metres, per axis, at the common border
+};
+
 /// A drone map, as the site file names it.
 struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
@@ -69,6 +81,7 @@ struct DroneMapSite {
   std::optional<GravityPrior> gravity = {};  ///< in the map's own frame
   std::string reference = {};  ///< JSON file with the true `scale`, for evaluation alone; or empty
   std::optional<double> true_scale = {};  ///< of that file, metres per unit
+  std::optional<MapTiling> tiles = {};    ///< absent: the map is one similarity
 };
 
 /// A site file: what `planegraph map` works on. Paths are absolute or relative to the working

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "planegraph/graph/graph.h"
@@ -25,6 +26,8 @@ struct AssociationOptions {
 struct PlacedMap {
   const PlaneSet* planes = nullptr;
   Sim3 world_from_map;
+  /// Of a bent map: what takes a place of it to the world. Empty: world_from_map everywhere.
+  std::function<const Sim3&(const Eigen::Vector3d& place)> world_from_place = {};
 };
 
 /// Landmarks from the planar patches of all scans under the given poses: patches of at least two

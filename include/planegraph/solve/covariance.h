@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planegraph/graph/graph.h"
@@ -36,6 +37,9 @@ struct CovarianceOptions {
 /// solution; with noise by the residuals, by their second derivatives, too: the covariance of an
 /// M-estimator (Huber 1967), A^-1 B A^-1 (how: solve/residual_scatter.h). What the planes leave
 /// open (Unobserved, OpenMotions: which directions) goes by the stated noise always.
+///
+/// What ties two maps is of their shape, not of where they stand: with the planes it says what is
+/// observed.
 class GraphCovariance {
  public:
   explicit GraphCovariance(const Graph& graph, const SolveOptions& options = {},
@@ -53,6 +57,9 @@ class GraphCovariance {
   /// Covariance of world_from_map (order x y z rx ry rz log(scale)); zero for a fixed map;
   /// NaN as above.
   Matrix7d Map(int map) const;
+  /// Covariance of a similarity that moves with several maps, say tiles of one, by its derivative
+  /// by each of them; NaN as above.
+  Matrix7d MapMean(const std::vector<std::pair<int, Matrix7d>>& by_maps) const;
   /// Variance of Graph::scales[scale].
   double Scale(int scale) const;
   /// Covariance of a plane in the tangent space of its landmark (the normal along the two columns
