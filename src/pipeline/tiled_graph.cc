@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "planegraph/geometry/rotation.h"
+
 namespace planegraph {
 namespace {
 
@@ -86,6 +88,20 @@ double VarianceFactorOfTiles(const JointProblem& problem, const JointSolution& s
     const int tile = bent.grid->TileAt(metric_from_world * pose.translation);
     return bent.world_from_tile[tile].Inverse() * Sim3(pose);
   });
+}
+
+// Of a tile's middle, seen from the similarity that stands for all; `by_nodes`: how that moves.
+double SigmaOfBend(const GraphCovariance& covariance, const BentMap& bent, const BendingFit& fit,
+                   std::size_t tile, std::vector<std::pair<int, Matrix7d>> by_nodes) {
+  const Sim3& own = bent.world_from_tile[tile];
+  // The same motion of the world about the tile's origin; to first order they are one place.
+  const Eigen::Vector3d arm = own.translation - fit.world_from_metric.translation;
+  Matrix7d about_own = Matrix7d::Identity();
+  about_own.block<3, 3>(0, 3) = -Hat(arm);
+  about_own.block<3, 1>(0, 6) = arm;
+  for (auto& [node, derivative] : by_nodes) derivative = (-about_own * derivative).eval();
+  by_nodes[tile].second += Matrix7d::Identity();
+  return SigmaOfPlace(covariance.MapMean(by_nodes), own, bent.grid->Middle(static_cast<int>(tile)));
 }
 
 }  // namespace
@@ -178,13 +194,13 @@ void ComputeMapCovariances(const GraphCovariance& covariance, MapResult* result)
       continue;
     }
     const PlaneSet& planes = result->maps[m].planes;
-    const std::vector<Matrix7d> by_tiles = FitByTiles(bent, FitBentMap(bent, planes), planes);
+    const BendingFit fit = FitBentMap(bent, planes);
+    const std::vector<Matrix7d> by_tiles = FitByTiles(bent, fit, planes);
     std::vector<std::pair<int, Matrix7d>> by_nodes;
-    for (std::size_t t = 0; t < by_tiles.size(); ++t) {
+    for (std::size_t t = 0; t < by_tiles.size(); ++t)
       by_nodes.push_back({of_map[m][t], by_tiles[t]});
-      result->tile_sigmas[m].push_back(SigmaOfPlace(covariance.Map(of_map[m][t]),
-                                                    bent.world_from_tile[t],
-                                                    bent.grid->Middle(static_cast<int>(t))));
+    for (std::size_t t = 0; t < by_tiles.size(); ++t) {
+      result->tile_sigmas[m].push_back(SigmaOfBend(covariance, bent, fit, t, by_nodes));
     }
     result->map_covariances.push_back(covariance.MapMean(by_nodes));
   }

@@ -90,6 +90,26 @@ maps:
   EXPECT_FALSE(ReadSite(Write("b.yaml", "robots: [{name: a, scans: scans}]")).origin.has_value());
 }
 
+TEST_F(SiteFile, ReadsTheTilesOfABentMap) {
+  Write("uav/cloud.ply", "");
+  const std::string map =
+      "robots: [{name: a, scans: scans}]\nmaps:\n  - name: m\n    cloud: uav/cloud.ply\n    ";
+  const Site site = ReadSite(Write(
+      "site.yaml", map + "tiles: {size: 12.5, sigma_rotation_deg: 18, sigma_translation: 0.1}\n"));
+  ASSERT_TRUE(site.maps[0].tiles.has_value());
+  EXPECT_EQ(site.maps[0].tiles->size, 12.5);
+  EXPECT_NEAR(site.maps[0].tiles->sigma_rotation, std::numbers::pi / 10, 1e-15);
+  EXPECT_EQ(site.maps[0].tiles->sigma_translation, 0.1);
+  EXPECT_EQ(site.maps[0].tiles->sigma_scale, MapTiling().sigma_scale);
+  EXPECT_FALSE(ReadSite(Write("b.yaml", map)).maps[0].tiles.has_value());
+  EXPECT_EQ(ReadSite(Write("c.yaml", map + "tiles: {}\n")).maps[0].tiles->size, MapTiling().size);
+  ExpectError(map + "tiles: 30\n", "5", "by name");
+  ExpectError(map + "tiles: {size: 0}\n", "5", "positive");
+  ExpectError(map + "tiles: {size: 0.5}\n", "5", "at least 1 m");
+  ExpectError(map + "tiles: {sigma_scale: -1}\n", "5", "positive");
+  ExpectError(map + "tiles: {edge: 30}\n", "5", "'edge'");
+}
+
 TEST_F(SiteFile, ReadsWhatAnOdometryErrsBy) {
   const std::string robot = "robots:\n  - name: a\n    scans: scans\n    ";
   const OdometryNoise usual;

@@ -81,7 +81,7 @@ struct MapResult {
   JointSolution solution;
   std::vector<Matrix6d> covariances;      ///< by scan; NaN where infinite
   std::vector<Matrix7d> map_covariances;  ///< by map, of world_from_map
-  /// By map and tile: of the place of the tile's middle in its worst direction, metres.
+  /// By map and tile: of its middle off world_from_map, in the worst direction, metres.
   std::vector<std::vector<double>> tile_sigmas;
   std::shared_ptr<const GraphCovariance> covariance;  ///< of the graph; null without one
   std::vector<MarginalEdge> bridges;  ///< between scans that maps alone join, for the pose graph
