@@ -111,7 +111,9 @@ void PrintRow(const char* kind, double share, double clean_error, const Row& row
   std::fflush(stdout);
 }
 
-void PrintTable(const G2oGraph& file, const std::string& path) {
+// All rows, or the one of that kind and share.
+void PrintTable(const G2oGraph& file, const std::string& path, const std::string& only_kind = "",
+                double only_share = 0.0) {
   const PoseGraph3 clean = Solved(MakePoseGraph<3>(file, path));
   const double clean_error = CleanError(clean);
   std::printf(
@@ -119,6 +121,7 @@ void PrintTable(const G2oGraph& file, const std::string& path) {
       "| true rejected | CPU s |\n|---|---|---|---|---|---|\n");
   for (const double share : kShares) {
     for (const char* kind : kKinds) {
+      if (!only_kind.empty() && (kind != only_kind || share != only_share)) continue;
       Row row;
       for (int seed = 0; seed < kSeeds; ++seed) {
         G2oGraph dirty = file;
@@ -134,6 +137,8 @@ int Run(int argc, char** argv) {
   G2oGraph graph = ReadG2o(argv[1]);
   if (argc == 2) {
     PrintTable(graph, argv[1]);
+  } else if (argc == 4) {
+    PrintTable(graph, argv[1], argv[2], std::strtod(argv[3], nullptr));
   } else {
     AddFalseClosures(ParseFalseClosureKind(argv[2]), std::strtod(argv[3], nullptr),
                      std::strtoull(argv[4], nullptr, 10), &graph);
@@ -146,8 +151,8 @@ int Run(int argc, char** argv) {
 }  // namespace planegraph
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 6) {
-    std::fprintf(stderr, "usage: closures_table GRAPH.g2o [KIND SHARE SEED OUT.g2o]\n");
+  if (argc != 2 && argc != 4 && argc != 6) {
+    std::fprintf(stderr, "usage: closures_table GRAPH.g2o [KIND SHARE [SEED OUT.g2o]]\n");
     return 1;
   }
   try {
