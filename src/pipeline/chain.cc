@@ -123,13 +123,23 @@ double RobustSigma(std::vector<double> lengths) {
   return Median(std::move(lengths)) / kMedianChi;
 }
 
+// A factor that all lengths are off by.
+Matrix6d CommonCovariance(const Eigen::Vector3d& translation, double sigma_scale) {
+  Matrix6d common = Matrix6d::Zero();
+  common.topLeftCorner<3, 3>() = sigma_scale * sigma_scale * translation * translation.transpose();
+  return common;
+}
+
 }  // namespace
 
 Matrix6d OdometryStep::OwnCovariance() const {
-  Matrix6d own = covariance;
-  const Eigen::Vector3d common = sigma_scale * target_from_source.translation;
-  own.topLeftCorner<3, 3>() -= common * common.transpose();
-  return own;
+  return covariance - CommonCovariance(target_from_source.translation, sigma_scale);
+}
+
+void OdometryStep::Scale(double factor) {
+  const Matrix6d own = OwnCovariance();
+  target_from_source.translation *= factor;
+  covariance = own + CommonCovariance(target_from_source.translation, sigma_scale);
 }
 
 Matrix6d OdometryCovariance(const Rigid3& target_from_source, const OdometryNoise& noise) {
@@ -141,9 +151,7 @@ Matrix6d OdometryCovariance(const Rigid3& target_from_source, const OdometryNois
   Matrix6d covariance = Matrix6d::Zero();
   covariance.topLeftCorner<3, 3>().diagonal().setConstant(translation * translation);
   covariance.bottomRightCorner<3, 3>().diagonal().setConstant(rotation * rotation);
-  const Eigen::Vector3d common = noise.scale * target_from_source.translation;
-  covariance.topLeftCorner<3, 3>() += common * common.transpose();
-  return covariance;
+  return covariance + CommonCovariance(target_from_source.translation, noise.scale);
 }
 
 std::vector<OdometryStep> OdometrySteps(const Site& site, const std::vector<ScanRecord>& scans) {

@@ -235,6 +235,11 @@ std::vector<PlacedMap> AddMaps(const JointProblem& problem, const JointSolution&
   return placed;
 }
 
+PoseFactor FactorOf(const OdometryStep& step, const Matrix6d& covariance) {
+  return MakeRelativePose(static_cast<int>(step.target), static_cast<int>(step.source),
+                          step.target_from_source, PositiveInverse(covariance), "odometry");
+}
+
 }  // namespace
 
 Matrix6d PositiveInverse(const Matrix6d& covariance) {
@@ -249,11 +254,8 @@ std::vector<Rigid3> PosesOf(const Graph& graph) {
 
 void AddOdometry(const std::vector<OdometryStep>& odometry, Graph* graph, bool robust) {
   for (const auto& step : odometry) {
-    PoseFactor factor =
-        MakeRelativePose(static_cast<int>(step.target), static_cast<int>(step.source),
-                         step.target_from_source, PositiveInverse(step.covariance), "odometry");
-    factor.robust = robust;
-    graph->pose_factors.push_back(factor);
+    graph->pose_factors.push_back(FactorOf(step, step.covariance));
+    graph->pose_factors.back().robust = robust;
   }
 }
 
@@ -271,9 +273,7 @@ void ShareOdometryScales(const std::vector<OdometryStep>& odometry, std::size_t 
     graph->pose_factors.push_back(MakeScalePrior(nodes[r], 1.0, sigmas[r]));
   }
   for (const OdometryStep& step : odometry) {
-    PoseFactor factor = MakeRelativePose(static_cast<int>(step.target),
-                                         static_cast<int>(step.source), step.target_from_source,
-                                         PositiveInverse(step.OwnCovariance()), "odometry");
+    PoseFactor factor = FactorOf(step, step.OwnCovariance());
     factor.scale = nodes[step.robot];
     if (factor.scale >= 0) factor.type = "odometry_step";
     factor.robust = true;

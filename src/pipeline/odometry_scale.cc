@@ -72,11 +72,12 @@ std::vector<double> ScaleOdometry(const std::vector<PairRecord>& chain, std::siz
   for (const OdometryStep& step : *steps) fits[step.robot].AddPrior(step.sigma_scale);
   for (const PairRecord& pair : chain) {
     const OdometryStep* step = FindStep(*steps, pair);
-    if (pair.used && step != nullptr) fits[step->robot].Add(*step, pair.registration);
+    if (!pair.used || step == nullptr || !(step->sigma_scale > 0.0)) continue;
+    fits[step->robot].Add(*step, pair.registration);
   }
   std::vector<double> scales;
   for (const ScaleFit& fit : fits) scales.push_back(fit.Scale());
-  for (OdometryStep& step : *steps) step.target_from_source.translation *= scales[step.robot];
+  for (OdometryStep& step : *steps) step.Scale(scales[step.robot]);
   return scales;
 }
 

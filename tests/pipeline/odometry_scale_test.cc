@@ -94,6 +94,26 @@ TEST(OdometryScale, OfEachRobotIsItsOwn) {
   EXPECT_DOUBLE_EQ(scales[2], 1.0);  // without odometry
 }
 
+TEST(OdometryScale, IsOneWhereTheSiteSaysSo) {
+  Walk walk = MakeWalk(20, Eigen::Vector3d::UnitX());
+  for (OdometryStep& step : walk.steps) step.sigma_scale = 0.0;
+  EXPECT_DOUBLE_EQ(ScaleOdometry(walk.chain, 1, &walk.steps).front(), 1.0);
+}
+
+// However little a step errs by on its own, beside a scale that is found to be larger than one.
+TEST(OdometryScale, LeavesWhatAStepErrsByOnItsOwn) {
+  Walk walk = MakeWalk(20, Eigen::Vector3d::UnitX());
+  OdometryNoise exact;
+  exact.step = 1e-4;
+  exact.per_metre = 0.0;
+  for (OdometryStep& step : walk.steps) {
+    step.covariance = OdometryCovariance(step.target_from_source, exact);
+  }
+  const Matrix6d before = walk.steps[0].OwnCovariance();
+  EXPECT_GT(ScaleOdometry(walk.chain, 1, &walk.steps).front(), 1.01);
+  EXPECT_LT((walk.steps[0].OwnCovariance() - before).norm(), 1e-12);
+}
+
 // Own errors and the common one make the whole.
 TEST(OdometryScale, TheCovarianceOfAStepFallsIntoTwoParts) {
   const Walk walk = MakeWalk(1, Eigen::Vector3d::UnitY());

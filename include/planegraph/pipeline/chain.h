@@ -16,6 +16,8 @@ struct OdometryStep {
 
   /// What the step errs by on its own: the covariance without the common part.
   Matrix6d OwnCovariance() const;
+  /// Lengthens the step; what it errs by on its own stays.
+  void Scale(double factor);
 };
 
 /// What an odometry is worth: it errs with the way and with the turn. CalibrateOdometry widens it
