@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipeline/json_values.h"
 #include "planegraph/base/counted.h"
 #include "planegraph/solve/covariance.h"
 
@@ -69,8 +70,6 @@ std::string Sentence(const MapResult& result, const OpenMotion& motion) {
   return InWords(motion) + ": not observed by planes for " + PartsText(motion) + ", " +
          HoldText(motion);
 }
-
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json MotionJson(const MapResult& result, const OpenMotion& motion) {
   Json json = {{"kind", Name(motion.kind)},
