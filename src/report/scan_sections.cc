@@ -38,7 +38,7 @@ std::string OpenMotions(const Json& json) {
   return items.empty() ? "" : "<ul class=\"words\">\n" + items + "</ul>\n";
 }
 
-// How long the odometry's metre is: what holds an open direction is scaled by it.
+// How long the odometry's metre is: where it holds an open direction it is scaled by that.
 std::string OdometryScales(const Json& json) {
   std::string items;
   const auto robots = json.find("odometry");
@@ -207,8 +207,9 @@ std::string OpenDirectionsHtml(const ReportData& data) {
   // What many scans share stands once; the scans one by one can be unfolded.
   const std::string open = count == 0 && motions.empty()
                                ? "<p>None: the planes hold every scan in all six directions.</p>\n"
-                               : motions + FoldedList(items, count, all, motions.empty() ? 12 : 0);
-  return Section("Directions that the planes leave open", open + OdometryScales(*data.json)) +
+                               : motions + FoldedList(items, count, all, motions.empty() ? 12 : 0) +
+                                     OdometryScales(*data.json);
+  return Section("Directions that the planes leave open", open) +
          Section("Warnings", WarningsHtml(*data.json));
 }
 

@@ -131,6 +131,17 @@ TEST_F(HtmlReport, APlaceByGpsIsNoWeakness) {
   EXPECT_THAT(page, HasSubstr("sigma 0.75\u00a0m from GPS"));
 }
 
+// Of weight only where a way is known by odometry alone.
+TEST_F(HtmlReport, SaysHowLongTheOdometrysMetreIsWhereItHolds) {
+  nlohmann::json report = SampleReport();
+  report["odometry"]["<cart>"] = {{"scale", 0.98765}, {"sigma_scale", 0.0123}};
+  const char* const said = "A metre of the odometry of &lt;cart&gt; is 0.9877 ± 0.0123\u00a0m.";
+  EXPECT_THAT(ReportOf(report.dump()), HasSubstr(said));
+  for (auto& scan : report["scans"]) scan["unobserved"] = nlohmann::json::array();
+  report["observability"]["motions"] = nlohmann::json::array();
+  EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr(said)));
+}
+
 TEST_F(HtmlReport, SaysWhereADroneMapIsNotJoined) {
   nlohmann::json report = SampleReport();
   report["scans"][0]["anchored_to"] = nlohmann::json::array();
