@@ -52,7 +52,11 @@ double MedianSeconds(const Work& work) {
 
 std::string Ratio(double ours, double peer, double ceres) {
   char text[64];
-  std::snprintf(text, sizeof text, "%.2f (%.2f)", ours / ceres, peer);
+  if (peer == 0.0) {
+    std::snprintf(text, sizeof text, "%.2f (–)", ours / ceres);
+  } else {
+    std::snprintf(text, sizeof text, "%.2f (%.2f)", ours / ceres, peer);
+  }
   return text;
 }
 
@@ -68,8 +72,7 @@ void PrintRow(const std::filesystem::path& path) {
   // With the further Newton steps that the proof asks for where the solve stopped early.
   const double proof = MedianSeconds([&] {
     PoseGraph3 polished = solved;
-    certificate = Certify(polished);
-    if (!certificate.certified) certificate = OptimizeCertified(&polished).certificate;
+    certificate = CertifyMinimum(&polished).certificate;
   });
   std::vector<double> ceres_seconds;
   CeresResult ceres;

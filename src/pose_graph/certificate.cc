@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "pose_graph/dual_matrix.h"
@@ -34,25 +35,69 @@ void Check(const PoseGraph<Dim>& graph) {
   }
 }
 
+// What is wanted of a point that fails: nothing, or how far it may be from the optimum and where
+// the way down is, for further factorizations.
+enum class OnFailure { kNothing, kDirection };
+
 // Whether no lower F exists in the relaxation, and how far the lifted point may be above it.
 template <int Dim>
-Certificate CertifyLifted(const PoseGraph<Dim>& graph, const LiftedGraph<Dim>& lifted) {
-  Certificate certificate;
-  const double objective = certificate.objective = lifted.Objective();
-  DualMatrix<Dim> dual(graph, lifted.blocks(), lifted.held(), lifted.pattern());
-  const auto multipliers = lifted.Multipliers();
-  const double rows = Dim * static_cast<double>(graph.poses.size());
-  certificate.suboptimality_bound = objective;  // F is nowhere negative
-  for (double gap = kLeastGap; gap <= kMostGap; gap *= 10.0) {
-    if (!dual.IsPositive(multipliers, gap * objective / rows)) continue;
-    certificate.suboptimality_bound = std::min(gap, 1.0) * objective;
+class Proof {
+ public:
+  Proof(const PoseGraph<Dim>& graph, const LiftedGraph<Dim>& lifted)
+      : objective_(lifted.Objective()),
+        rows_(Dim * static_cast<double>(graph.poses.size())),
+        nothing_(kNothing * static_cast<double>(graph.edges.size())),
+        multipliers_(lifted.Multipliers()),
+        dual_(graph, lifted.blocks(), lifted.held(), lifted.pattern()) {}
+
+  Certificate Run(OnFailure on_failure) {
+    Certificate certificate;
+    certificate.objective = objective_;
+    double gap = ProvenGap();
     certificate.certified = gap <= kCertifiedGap;
-    if (!certificate.certified) certificate.direction = dual.SteepestDescent();
-    break;
+    // Edges without contradiction: the optimizer rests there as well, and zero is the least F.
+    if (objective_ <= nothing_) certificate.certified = true;
+    if (!certificate.certified && on_failure == OnFailure::kDirection) {
+      gap = LargeGap();
+      if (gap <= kMostGap) certificate.direction = dual_.SteepestDescent();
+    }
+    certificate.suboptimality_bound = objective_ * std::min(gap, 1.0);  // F is nowhere negative
+    return certificate;
   }
-  // Edges without contradiction: the optimizer rests there as well, and zero is the least F.
-  if (objective <= kNothing * static_cast<double>(graph.edges.size())) certificate.certified = true;
-  return certificate;
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  bool Holds(double gap) { return dual_.IsPositive(multipliers_, gap * objective_ / rows_); }
+
+  // Up to kCertifiedGap, infinity where none holds. Points hold at once or, mostly, not at all:
+  // between the two ends is looked last.
+  double ProvenGap() {
+    if (Holds(kLeastGap)) return kLeastGap;
+    if (!Holds(kCertifiedGap)) return kNone;
+    for (double gap = 10.0 * kLeastGap; gap < 0.5 * kCertifiedGap; gap *= 10.0) {
+      if (Holds(gap)) return gap;
+    }
+    return kCertifiedGap;
+  }
+
+  // Beyond kCertifiedGap, infinity where none holds. Its factorization is the last one.
+  double LargeGap() {
+    for (double gap = 10.0 * kCertifiedGap; gap <= kMostGap; gap *= 10.0) {
+      if (Holds(gap)) return gap;
+    }
+    return kNone;
+  }
+
+  double objective_, rows_, nothing_;
+  std::vector<typename LiftedGraph<Dim>::Small> multipliers_;
+  DualMatrix<Dim> dual_;
+};
+
+template <int Dim>
+Certificate CertifyLifted(const PoseGraph<Dim>& graph, const LiftedGraph<Dim>& lifted,
+                          OnFailure on_failure) {
+  return Proof<Dim>(graph, lifted).Run(on_failure);
 }
 
 // Up the staircase from a local minimum, and back to poses. False where no way leads down.
@@ -64,7 +109,7 @@ bool LeaveLocalMinimum(const PoseGraph<Dim>& graph, const Eigen::MatrixXd& direc
   while (lifted.rank() < Dim + kMostRank && down.size() > 0) {
     if (!lifted.Escape(down)) return false;
     lifted.Minimize();
-    down = CertifyLifted(graph, lifted).direction;
+    down = CertifyLifted(graph, lifted, OnFailure::kDirection).direction;
   }
   *poses = lifted.Rounded();
   return true;
@@ -77,7 +122,12 @@ class CertifiedRun {
 
   CertifiedSummary Run() {
     Descend({});
-    summary_.certificate = TimedCertificate();
+    return Prove();
+  }
+
+  // From a minimum on.
+  CertifiedSummary Prove() {
+    summary_.certificate = TimedCertificate(OnFailure::kNothing);
     if (!summary_.certificate.certified) Polish();
     while (!summary_.certificate.certified && summary_.escapes < kMostEscapes) {
       if (!Escape()) break;
@@ -95,9 +145,9 @@ class CertifiedRun {
     summary_.optimization.seconds += before.seconds;
   }
 
-  Certificate TimedCertificate() {
+  Certificate TimedCertificate(OnFailure on_failure) {
     const double start = Now();
-    const Certificate certificate = Certify(graph_);
+    const Certificate certificate = CertifyLifted(graph_, LiftedGraph<Dim>(graph_), on_failure);
     summary_.seconds_certificate += Now() - start;
     return certificate;
   }
@@ -108,7 +158,7 @@ class CertifiedRun {
     options.tolerance = 1e-12;
     options.near_minimum = true;
     Descend(options);
-    summary_.certificate = TimedCertificate();
+    summary_.certificate = TimedCertificate(OnFailure::kDirection);
   }
 
   // Whether it led to poses with a lower cost.
@@ -117,7 +167,7 @@ class CertifiedRun {
     if (!LeaveLocalMinimum(before, summary_.certificate.direction, &graph_.poses)) return false;
     ++summary_.escapes;
     Descend({});
-    const Certificate certificate = TimedCertificate();
+    const Certificate certificate = TimedCertificate(OnFailure::kNothing);
     if (certificate.objective >= summary_.certificate.objective) {
       graph_.poses = before.poses;
       summary_.optimization.final_cost = 0.5 * summary_.certificate.objective;
@@ -137,7 +187,7 @@ class CertifiedRun {
 template <int Dim>
 Certificate Certify(const PoseGraph<Dim>& graph) {
   Check(graph);
-  return CertifyLifted(graph, LiftedGraph<Dim>(graph));
+  return CertifyLifted(graph, LiftedGraph<Dim>(graph), OnFailure::kDirection);
 }
 
 template <int Dim>
@@ -146,9 +196,17 @@ CertifiedSummary OptimizeCertified(PoseGraph<Dim>* graph) {
   return CertifiedRun<Dim>(graph).Run();
 }
 
+template <int Dim>
+CertifiedSummary CertifyMinimum(PoseGraph<Dim>* graph) {
+  Check(*graph);
+  return CertifiedRun<Dim>(graph).Prove();
+}
+
 template Certificate Certify<2>(const PoseGraph2&);
 template Certificate Certify<3>(const PoseGraph3&);
 template CertifiedSummary OptimizeCertified<2>(PoseGraph2*);
 template CertifiedSummary OptimizeCertified<3>(PoseGraph3*);
+template CertifiedSummary CertifyMinimum<2>(PoseGraph2*);
+template CertifiedSummary CertifyMinimum<3>(PoseGraph3*);
 
 }  // namespace planegraph

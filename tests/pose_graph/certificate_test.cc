@@ -49,6 +49,22 @@ TEST(Certificate, RefusesALocalMinimumAndTheStaircaseLeavesIt) {
   EXPECT_LT(summary.certificate.objective, 1e-9);
 }
 
+// A minimum that a loose solve has left a little beside: the proof's own Newton steps get it there.
+TEST(Certificate, ALooseMinimumIsMadeExactEnoughForTheProof) {
+  PoseGraph3 graph = NoisyGraph<3>(40, 0.1, 0.05, 5);
+  InitializeChordal(&graph);
+  PoseGraphOptions loose;
+  loose.tolerance = 0.1;
+  OptimizePoseGraph(&graph, loose);
+  const double before = 2.0 * GraphCost(graph);
+  ASSERT_FALSE(Certify(graph).certified);
+  const CertifiedSummary summary = CertifyMinimum(&graph);
+  EXPECT_TRUE(summary.certificate.certified);
+  EXPECT_EQ(summary.escapes, 0);
+  EXPECT_LT(summary.certificate.objective, before);
+  EXPECT_NEAR(summary.certificate.objective, 2.0 * GraphCost(graph), 1e-9 * before);
+}
+
 TEST(Certificate, ConsistentEdgesAreCertified) {
   PoseGraph3 graph = NoisyGraph<3>(20, 0.0, 0.0, 3);
   EXPECT_TRUE(OptimizeCertified(&graph).certificate.certified);

@@ -47,4 +47,10 @@ struct CertifiedSummary {
 template <int Dim>
 CertifiedSummary OptimizeCertified(PoseGraph<Dim>* graph);
 
+/// The same without the first descent, for poses that OptimizePoseGraph has left: further Newton
+/// steps where the minimum is not exact enough for the proof, and the staircase. `optimization` is
+/// of these steps alone; without one its costs and counts are zero.
+template <int Dim>
+CertifiedSummary CertifyMinimum(PoseGraph<Dim>* graph);
+
 }  // namespace planegraph
