@@ -151,7 +151,8 @@ MapRefinement Refiner::Run(Sim3 pose) const {
     pose.rotation = (ExpSO3(step.segment<3>(3)) * pose.rotation).normalized();
     pose.translation += step.head<3>();
     pose.scale *= std::exp(std::clamp(step[6], -0.1, 0.1));
-    const bool small = step.head<3>().norm() < 3e-4 && step.segment<3>(3).norm() < 3e-5;
+    const bool small =
+        step.head<3>().norm() < options_.rest && step.segment<3>(3).norm() < 0.1 * options_.rest;
     if (small && gate <= options_.last_gate) {
       result.converged = true;
       break;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planegraph/base/parallel.h"
+#include "planegraph/geometry/rotation.h"
 #include "registration/map_word.h"
 
 namespace planegraph {
@@ -14,6 +15,12 @@ constexpr std::size_t kFirstLook = 96;  // samples, of all scans together
 // Scans within the radius vote together; a long way votes from several places.
 constexpr double kAnchorRadius = 6.0, kAnchorDistance = 12.0;  // metres
 constexpr std::size_t kMostAnchors = 4;
+// metres: candidates are told apart by it; the best one is refined further
+constexpr double kRest = 0.002;
+// Steps until the gate, seven tenths of the one before, has come from 1 m to its least.
+constexpr int kApproach = 6;
+// Then starts this near to each other end at the same place: a small part of the gate.
+constexpr double kSameMetres = 0.03, kSameRadians = 0.003;  // and of log(scale)
 constexpr double kMostScaleSigmas = 5.0;
 
 // Share of agreement, quickly: for a first look at many hypotheses.
@@ -84,20 +91,41 @@ std::vector<Start> FindStarts(const MapModel& map, const ScanGroup& group,
   return starts;
 }
 
+MapRefinementOptions QuickRefinement(const MapPrior& prior) {
+  MapRefinementOptions quick;
+  quick.scale = prior.scale;
+  quick.sigma_scale = prior.sigma_scale;
+  quick.most_surfels = 400;
+  quick.pose_only = true;
+  quick.rest = kRest;
+  return quick;
+}
+
+// The first steps, by the scans about the anchor, until the gate is at its least.
+void Approach(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
+              Start* start) {
+  MapRefinementOptions quick = QuickRefinement(options.prior);
+  quick.most_iterations = kApproach;
+  start->map_from_anchor =
+      RefineInMap(map, Around(group, start->anchor, kAnchorRadius), start->map_from_anchor, quick)
+          .map_from_group;
+}
+
 // Refines by the scans about the anchor first, then by all.
 MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start& start,
                         const MapLocationOptions& options) {
-  MapRefinementOptions quick;
-  quick.scale = options.prior.scale;
-  quick.sigma_scale = options.prior.sigma_scale;
-  quick.most_surfels = 400;
-  quick.pose_only = true;
+  MapRefinementOptions quick = QuickRefinement(options.prior);
+  const double first_gate = quick.first_gate;
+  quick.first_gate = quick.last_gate;
+  quick.most_iterations -= kApproach;
   MapCandidate candidate;
   const ScanGroup around = Around(group, start.anchor, kAnchorRadius);
   candidate.refinement = RefineInMap(map, around, start.map_from_anchor, quick);
   candidate.refinement.map_from_group =
       candidate.refinement.map_from_group * Sim3(group.group_from_scan[start.anchor].Inverse());
   if (around.scans.size() < group.scans.size()) {
+    quick.first_gate = first_gate;
+    quick.most_iterations += kApproach;
     candidate.refinement = RefineInMap(map, group, candidate.refinement.map_from_group, quick);
   }
   candidate.evidence =
@@ -105,14 +133,37 @@ MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start
   return candidate;
 }
 
+// Of each start the first one that is as good as the same: most votes are for few places.
+std::vector<std::size_t> FirstOfSame(const std::vector<Start>& starts) {
+  std::vector<std::size_t> first(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const auto same = [&](const Start& other) {
+      const Sim3 &a = starts[i].map_from_anchor, &b = other.map_from_anchor;
+      return starts[i].anchor == other.anchor &&
+             (a.translation - b.translation).norm() < kSameMetres &&
+             AngleBetween(a.rotation, b.rotation) < kSameRadians &&
+             std::abs(std::log(a.scale / b.scale)) < kSameRadians;
+    };
+    first[i] =
+        static_cast<std::size_t>(std::find_if(starts.begin(), starts.end(), same) - starts.begin());
+  }
+  return first;
+}
+
 }  // namespace
 
 std::vector<MapCandidate> SearchMap(const MapModel& map, const ScanGroup& group,
                                     const MapLocationOptions& options) {
-  const std::vector<Start> starts = FindStarts(map, group, options);
-  std::vector<MapCandidate> candidates(starts.size());
+  std::vector<Start> starts = FindStarts(map, group, options);
   ParallelFor(starts.size(), options.threads,
-              [&](std::size_t i) { candidates[i] = RefineFrom(map, group, starts[i], options); });
+              [&](std::size_t i) { Approach(map, group, options, &starts[i]); });
+  const std::vector<std::size_t> first = FirstOfSame(starts);
+  std::vector<MapCandidate> candidates(starts.size());
+  ParallelFor(starts.size(), options.threads, [&](std::size_t i) {
+    if (first[i] == i) candidates[i] = RefineFrom(map, group, starts[i], options);
+  });
+  // Each counts as before: how often a place is met is part of what is known of wrong ones.
+  for (std::size_t i = 0; i < starts.size(); ++i) candidates[i] = candidates[first[i]];
   // Where nothing fits, the surfaces pull the scale to where no prior would have it.
   const double most = kMostScaleSigmas * std::max(options.prior.sigma_scale, 0.005);
   std::erase_if(candidates, [&](const MapCandidate& c) {

@@ -12,6 +12,7 @@ struct MapRefinementOptions {
   double first_gate = 1.0;  ///< metres along the normal, of the first association
   double last_gate = 0.15;  ///< metres, of the last one: below the thickness of walls and roofs
   int most_iterations = 25;
+  double rest = 3e-4;  ///< metres, and a tenth of it in radians: steps below end the iteration
   std::size_t most_surfels = 1500;  ///< of all scans together
   double scale = 1.0;               ///< prior of the scale
   double sigma_scale = 0.02;        ///< of log(scale) about it; 0: the scale is held
