@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "planegraph/base/error.h"
+#include "planegraph/base/nearest_name.h"
 #include "planegraph_version.h"
 #include "tools/command.h"
 #include "tools/commands.h"
@@ -53,6 +54,31 @@ bool Takes(const Command& command, const std::string& flag) {
          std::count(std::begin(kCommonFlags), std::end(kCommonFlags), flag);
 }
 
+std::string DidYouMean(const std::string& name, const std::string& mark) {
+  return name.empty() ? "" : "; did you mean " + mark + name + "?";
+}
+
+std::string NoSuchFlag(const Command& command, const std::string& flag) {
+  std::vector<std::string> names = command.flags;
+  names.insert(names.end(), std::begin(kCommonFlags), std::end(kCommonFlags));
+  return "planegraph " + command.name + " has no flag --" + flag +
+         DidYouMean(NearestName(flag, names), "--");
+}
+
+// Before gflags sees them: it would end the program without a word of what there is.
+void RefuseUnknownFlags(const Command& command, int argc, char** argv) {
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string_view argument = argv[i];
+    if (!argument.starts_with("--")) continue;
+    const std::string flag(argument.substr(2, argument.find('=') - 2));
+    const bool negated = flag.starts_with("no");
+    gflags::CommandLineFlagInfo info;
+    if (gflags::GetCommandLineFlagInfo(flag.c_str(), &info)) continue;
+    if (negated && gflags::GetCommandLineFlagInfo(flag.c_str() + 2, &info)) continue;
+    throw UsageError(NoSuchFlag(command, flag));
+  }
+}
+
 // gflags knows the flags of all commands; one that this command does not take is a mistake, too.
 void RefuseForeignFlags(const Command& command) {
   std::vector<gflags::CommandLineFlagInfo> all;
@@ -60,7 +86,7 @@ void RefuseForeignFlags(const Command& command) {
   for (const auto& flag : all) {
     const bool ours = flag.filename.find("tools/") != std::string::npos;
     if (ours && !flag.is_default && !Takes(command, flag.name)) {
-      throw UsageError("planegraph " + command.name + " has no flag --" + flag.name);
+      throw UsageError(NoSuchFlag(command, flag.name));
     }
   }
 }
@@ -76,6 +102,7 @@ int RunCommand(const Command& command, int argc, char** argv) {
     return argument == "--help" || argument == "-help" || argument == "-h";
   });
   if (wants_help) return PrintHelp(command), 0;
+  RefuseUnknownFlags(command, argc, argv);
   gflags::ParseCommandLineFlags(&argc, &argv, true);
   RefuseForeignFlags(command);
   StartLogging(argv[0]);
@@ -95,10 +122,13 @@ int Dispatch(int argc, char** argv) {
     std::cout << "planegraph " << PLANEGRAPH_VERSION << " (" << PLANEGRAPH_COMMIT << ")\n";
     return 0;
   }
+  std::vector<std::string> names;
   for (const Command& command : AllCommands()) {
     if (command.name == name) return RunCommand(command, argc - 1, argv + 1);
+    names.push_back(command.name);
   }
-  throw UsageError("unknown command '" + name + "' (see `planegraph help`)");
+  throw UsageError("unknown command '" + name + "' (see `planegraph help`)" +
+                   DidYouMean(NearestName(name, names), ""));
 }
 
 int Run(int argc, char** argv) {

@@ -112,6 +112,18 @@ TEST(Cli, AFlagOfAnotherCommandIsRefused) {
   }
 }
 
+TEST(Cli, AMistypedFlagOrCommandIsToldWhatItMayHaveMeant) {
+  for (const std::string command :
+       {"map --outputdir=x site.yaml", "map site.yaml --out x", "map --nooutputdir site.yaml"}) {
+    const Outcome outcome = RunTool(command);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    ExpectOneError(outcome, "did you mean --output_dir?");
+  }
+  const Outcome outcome = RunTool("simulat --scene=hall");
+  EXPECT_EQ(outcome.exit_code, 1);
+  ExpectOneError(outcome, "did you mean simulate?");
+}
+
 TEST(Cli, AFlagWithABadValueIsWrongUsage) {
   for (const auto& command : ListedCommands()) {
     const Outcome outcome = RunTool(command + " --threads=many");

@@ -1,0 +1,37 @@
+#include "planegraph/base/nearest_name.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace planegraph {
+namespace {
+
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string NearestName(std::string_view given, const std::vector<std::string>& names) {
+  std::string nearest, begun;
+  std::size_t least = given.size() / 3 + 1, beginnings = 0;
+  for (const std::string& name : names) {
+    const std::size_t distance = EditDistance(given, name);
+    if (distance < least) least = distance, nearest = name;
+    if (!given.empty() && name.starts_with(given)) begun = name, ++beginnings;
+  }
+  return nearest.empty() && beginnings == 1 ? begun : nearest;
+}
+
+}  // namespace planegraph
