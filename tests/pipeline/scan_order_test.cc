@@ -17,6 +17,13 @@ Site Permuted(const Site& site, const std::vector<std::size_t>& order) {
   return permuted;
 }
 
+// As if the robot had come by in that order.
+Site Revisited(const Site& site, const std::vector<std::size_t>& order) {
+  Site revisited = Permuted(site, order);
+  revisited.robots[0].odometry->times = site.robots[0].odometry->times;
+  return revisited;
+}
+
 // Poses by file, seen from one of them.
 std::vector<Rigid3> PosesFrom(const MapResult& result, std::size_t file) {
   std::vector<Rigid3> poses;
@@ -28,9 +35,10 @@ std::vector<Rigid3> PosesFrom(const MapResult& result, std::size_t file) {
   return poses;
 }
 
-class ScanOrder : public TestFolder, public testing::WithParamInterface<const char*> {};
+class ScanOrder : public TestFolder {};
+class ScanOrderOf : public ScanOrder, public testing::WithParamInterface<const char*> {};
 
-TEST_P(ScanOrder, ChangesNothing) {
+TEST_P(ScanOrderOf, FilesChangesNothing) {
   WriteSite(Path("hall"), SmallSite(SceneKind::kHall, 5, 24));
   const Site site = ReadSite(Path("hall/site.yaml"));
   const auto expected = PosesFrom(MapScans(site, TwoThreads(GetParam())), 0);
@@ -48,7 +56,20 @@ TEST_P(ScanOrder, ChangesNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Optimizers, ScanOrder, testing::Values("graph", "metascan"));
+// What is registered to what is found by overlap, so that a joint graph hardly knows the order of
+// the way; its odometry, of other steps then, is weak beside the planes.
+TEST_F(ScanOrder, OfTheWayChangesTheGraphByLessThanAMillimetre) {
+  WriteSite(Path("hall"), SmallSite(SceneKind::kHall, 5, 24));
+  const Site site = ReadSite(Path("hall/site.yaml"));
+  const auto expected = PosesFrom(MapScans(site, TwoThreads("graph")), 0);
+  const std::vector<std::size_t> order = {2, 0, 4, 1, 3};
+  const auto found = PosesFrom(MapScans(Revisited(site, order), TwoThreads("graph")), 1);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    EXPECT_LT((found[k].translation - expected[order[k]].translation).norm(), 1e-3) << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Optimizers, ScanOrderOf, testing::Values("graph", "metascan"));
 
 }  // namespace
 }  // namespace planegraph
