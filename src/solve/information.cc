@@ -70,15 +70,31 @@ void AddReduction(const GroupSystem& system, const Eigen::MatrixXd& reduction,
 }  // namespace
 
 void PoseInformation::Add(int row, int column, const NodeBlock& block) {
-  const auto key = std::minmax(row, column);
-  const NodeBlock upper = row <= column ? block : NodeBlock(block.transpose());
-  const auto [place, is_new] = blocks_.try_emplace({key.first, key.second}, upper);
-  if (!is_new) place->second += upper;
+  const auto [low, high] = std::minmax(row, column);
+  if (low >= static_cast<int>(rows_.size())) rows_.resize(low + 1);
+  std::vector<Entry>& entries = rows_[low];
+  const auto found = std::lower_bound(entries.begin(), entries.end(), Entry(high, 0));
+  if (found == entries.end() || found->first != high) {
+    entries.insert(found, {high, blocks_.size()});
+    blocks_.push_back(row <= column ? block : NodeBlock(block.transpose()));
+  } else if (row <= column) {
+    blocks_[found->second] += block;
+  } else {
+    blocks_[found->second] += block.transpose();
+  }
+}
+
+const NodeBlock* PoseInformation::Find(int row, int column) const {
+  if (row >= static_cast<int>(rows_.size())) return nullptr;
+  const std::vector<Entry>& entries = rows_[row];
+  const auto found = std::lower_bound(entries.begin(), entries.end(), Entry(column, 0));
+  const bool there = found != entries.end() && found->first == column;
+  return there ? &blocks_[found->second] : nullptr;
 }
 
 Matrix6d PoseInformation::Diagonal(int pose) const {
-  const auto found = blocks_.find({pose, pose});
-  return found == blocks_.end() ? Matrix6d::Zero() : Matrix6d(found->second);
+  const NodeBlock* found = Find(pose, pose);
+  return found == nullptr ? Matrix6d::Zero() : Matrix6d(*found);
 }
 
 void AddPlaneInformation(const std::vector<const PlaneResidual*>& residuals, double weight,

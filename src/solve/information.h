@@ -1,16 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "solve/assembly.h"
+#include "solve/block_columns.h"
 
 namespace planegraph {
-
-/// What two nodes (poses of six dimensions, maps of seven, scales of one) have in common; no heap.
-using NodeBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
 
 /// The nodes of a graph: its poses first, then its maps, then its scales.
 class NodeNumbers {
@@ -38,11 +35,23 @@ class PoseInformation {
   void Add(int row, int column, const NodeBlock& block);
   /// The block of one pose; zero where there is none.
   Matrix6d Diagonal(int pose) const;
-  const std::map<std::pair<int, int>, NodeBlock>& blocks() const { return blocks_; }
+  /// The block of two nodes, row <= column; null where there is none.
+  const NodeBlock* Find(int row, int column) const;
+  std::size_t count() const { return blocks_.size(); }  ///< of blocks
+  /// function(row, column, block) for all blocks, by rows and then columns.
+  template <typename Function>
+  void ForEach(const Function& function) const {
+    for (int row = 0; row < static_cast<int>(rows_.size()); ++row) {
+      for (const auto& [column, place] : rows_[row]) function(row, column, blocks_[place]);
+    }
+  }
 
  private:
+  using Entry = std::pair<int, std::size_t>;  // column, place in blocks_
+
   NodeNumbers numbers_;
-  std::map<std::pair<int, int>, NodeBlock> blocks_;
+  std::vector<std::vector<Entry>> rows_;  // by column: a map's nodes would be slow to search
+  std::vector<NodeBlock> blocks_;
 };
 
 /// A factor of poses, maps or scales, linearized: its Jacobians by the world perturbations of its

@@ -56,7 +56,7 @@ class Finder {
  public:
   Finder(const Graph& graph, const PoseInformation& information, const CovarianceOptions& options)
       : graph_(graph), information_(information), options_(options), sets_(NodeCount(graph)) {
-    for (const auto& [key, block] : information.blocks()) sets_.Join(key.first, key.second);
+    information.ForEach([&](int row, int column, const NodeBlock&) { sets_.Join(row, column); });
     FindFollowers();
     ChooseReferences();
     system_ = std::make_unique<PoseSystem>(information, gauge_);
@@ -81,7 +81,7 @@ class Finder {
   // Maps that no scan is registered to take no part. Of maps that are tied, the tiles of one, the
   // best observed stands for all: how they bend is no motion of the whole.
   bool TakesPart(int node) const {
-    return !IsMap(node) || (information_.blocks().count({node, node}) > 0 && !follows_.count(node));
+    return !IsMap(node) || (information_.Find(node, node) != nullptr && !follows_.count(node));
   }
   void FindFollowers();
   void ChooseReferences();
@@ -129,7 +129,10 @@ void Finder::FindFollowers() {
     tiles.insert({poses + factor.maps[0], poses + factor.maps[1]});
   }
   std::map<std::size_t, int> best;
-  const auto scale = [&](int node) { return information_.blocks().at({node, node})(6, 6); };
+  const auto scale = [&](int node) {
+    const NodeBlock* block = information_.Find(node, node);
+    return block != nullptr ? (*block)(6, 6) : 0.0;
+  };
   for (const int tile : tiles) {
     int& leader = best.try_emplace(tied.Find(tile), tile).first->second;
     if (scale(tile) > scale(leader)) leader = tile;
@@ -244,11 +247,11 @@ std::vector<std::vector<int>> Finder::Parts(const std::vector<int>& nodes,
     rest = node;
   }
   const MatrixXd axes = cluster.Axes();
-  for (const auto& [key, block] : information_.blocks()) {
-    if (!members.count(key.first) && !members.count(key.second)) continue;
-    if (parts.Find(key.first) == parts.Find(key.second)) continue;
-    if (Keeps(key.first, key.second, cluster, axes)) parts.Join(key.first, key.second);
-  }
+  information_.ForEach([&](int row, int column, const NodeBlock&) {
+    if (!members.count(row) && !members.count(column)) return;
+    if (parts.Find(row) == parts.Find(column)) return;
+    if (Keeps(row, column, cluster, axes)) parts.Join(row, column);
+  });
   std::map<std::size_t, std::vector<int>> by_part;
   for (const int node : nodes) by_part[parts.Find(node)].push_back(node);
   std::vector<std::vector<int>> found;

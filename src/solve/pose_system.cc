@@ -1,7 +1,9 @@
 #include "solve/pose_system.h"
 
 #include <Eigen/OrderingMethods>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "planegraph/base/error.h"
 
@@ -21,10 +23,10 @@ double UnitScale(double trace) { return trace > 0.0 ? 1.0 / std::sqrt(trace / 3.
 // The nodes in an order with little fill. Those that are held come too; they do no harm.
 std::vector<int> EliminationOrder(const PoseInformation& information, int nodes) {
   std::vector<Eigen::Triplet<double>> triplets;
-  for (const auto& [key, block] : information.blocks()) {
-    triplets.emplace_back(key.first, key.second, 1.0);
-    triplets.emplace_back(key.second, key.first, 1.0);
-  }
+  information.ForEach([&](int row, int column, const NodeBlock&) {
+    triplets.emplace_back(row, column, 1.0);
+    triplets.emplace_back(column, row, 1.0);
+  });
   for (int k = 0; k < nodes; ++k) triplets.emplace_back(k, k, 1.0);
   Eigen::SparseMatrix<double> pattern(nodes, nodes);
   pattern.setFromTriplets(triplets.begin(), triplets.end());
@@ -41,7 +43,7 @@ PoseSystem::PoseSystem(const PoseInformation& information, const Gauge& gauge) :
   SetScale(information);
   if (starts_.back() == 0) return;
   Factorize(information);
-  inverse_ = std::make_unique<SelectedInverse>(cholesky_.matrixL().nestedExpression(), starts_);
+  inverse_ = std::make_unique<SelectedInverse>(*factor_);
 }
 
 void PoseSystem::PlaceNodes(const PoseInformation& information, const Gauge& gauge) {
@@ -67,10 +69,11 @@ void PoseSystem::PlaceNodes(const PoseInformation& information, const Gauge& gau
 }
 
 void PoseSystem::SetScale(const PoseInformation& information) {
-  for (const auto& [key, block] : information.blocks()) {
-    const int at = place_[key.first];
-    if (key.first != key.second || at < 0) continue;
-    const Eigen::VectorXd diagonal = block.diagonal();
+  for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
+    const int at = place_[node];
+    const NodeBlock* block = information.Find(node, node);
+    if (block == nullptr || at < 0) continue;
+    const Eigen::VectorXd diagonal = block->diagonal();
     if (diagonal.size() == 1) {
       scale_[at] = UnitScale(3.0 * diagonal[0]);
       continue;
@@ -82,8 +85,14 @@ void PoseSystem::SetScale(const PoseInformation& information) {
 }
 
 void PoseSystem::Factorize(const PoseInformation& information) {
-  cholesky_.compute(Scaled(information));
-  if (cholesky_.info() != Eigen::Success) {
+  std::vector<std::vector<int>> below(starts_.size() - 1);
+  information.ForEach([&](int row, int column, const NodeBlock&) {
+    const auto [low, high] = std::minmax(rank_[row], rank_[column]);
+    if (low >= 0 && low < high) below[low].push_back(high);
+  });
+  structure_ = std::make_unique<FactorStructure>(starts_, std::move(below));
+  factor_ = std::make_unique<BlockFactor>(*structure_);
+  if (!factor_->Factorize(Scaled(information))) {
     throw NoResultError("no covariance: the information of the poses is not positive");
   }
 }
@@ -91,17 +100,17 @@ void PoseSystem::Factorize(const PoseInformation& information) {
 // The lower half, which is what the factorization reads, with the ridge.
 Eigen::SparseMatrix<double> PoseSystem::Scaled(const PoseInformation& information) const {
   std::vector<Eigen::Triplet<double>> triplets;
-  triplets.reserve(49 * information.blocks().size() + scale_.size());
-  for (const auto& [key, block] : information.blocks()) {
-    const int row = place_[key.first], column = place_[key.second];
-    if (row < 0 || column < 0) continue;
+  triplets.reserve(49 * information.count() + scale_.size());
+  information.ForEach([&](int first, int second, const NodeBlock& block) {
+    const int row = place_[first], column = place_[second];
+    if (row < 0 || column < 0) return;
     for (int a = 0; a < block.rows(); ++a) {
-      for (int b = key.first == key.second ? a : 0; b < block.cols(); ++b) {
+      for (int b = first == second ? a : 0; b < block.cols(); ++b) {
         triplets.emplace_back(std::max(row + a, column + b), std::min(row + a, column + b),
                               scale_[row + a] * block(a, b) * scale_[column + b]);
       }
     }
-  }
+  });
   for (int k = 0; k < scale_.size(); ++k) triplets.emplace_back(k, k, kRidge);
   Eigen::SparseMatrix<double> matrix(scale_.size(), scale_.size());
   matrix.setFromTriplets(triplets.begin(), triplets.end());
@@ -123,7 +132,7 @@ MatrixXd PoseSystem::Solve(const MatrixXd& rhs) const {
   MatrixXd result = MatrixXd::Zero(rows(), rhs.cols());
   if (scale_.size() == 0) return result;
   const MatrixXd reduced =
-      scale_.asDiagonal() * cholesky_.solve(scale_.asDiagonal() * Reduced(rhs)).eval();
+      scale_.asDiagonal() * factor_->Solve(scale_.asDiagonal() * Reduced(rhs)).eval();
   for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
     if (place_[node] < 0) continue;
     result.middleRows(first_row_[node], Dimension(node)) =
@@ -132,14 +141,14 @@ MatrixXd PoseSystem::Solve(const MatrixXd& rhs) const {
   return result;
 }
 
-MatrixXd PoseSystem::Unscaled(int row, int column, const MatrixXd& block) const {
+NodeBlock PoseSystem::Unscaled(int row, int column, const NodeBlock& block) const {
   return scale_.segment(place_[row], Dimension(row)).asDiagonal() * block *
          scale_.segment(place_[column], Dimension(column)).asDiagonal();
 }
 
-MatrixXd PoseSystem::Block(int row, int column) const {
+NodeBlock PoseSystem::Block(int row, int column) const {
   const int rows = Dimension(row), columns = Dimension(column);
-  if (place_[row] < 0 || place_[column] < 0) return MatrixXd::Zero(rows, columns);
+  if (place_[row] < 0 || place_[column] < 0) return NodeBlock::Zero(rows, columns);
   if (inverse_->Has(std::max(rank_[row], rank_[column]), std::min(rank_[row], rank_[column]))) {
     return Unscaled(row, column, inverse_->Block(rank_[row], rank_[column]));
   }
@@ -152,11 +161,10 @@ void PoseSystem::SetScatter(const PoseInformation& scatter) {
   if (scale_.size() == 0) return;
   // The ridge comes in, too: as a prior of its own, so that open directions stay what they are.
   scatter_ = Scaled(scatter);
-  covariance_ = std::make_unique<SelectedSandwich>(cholesky_.matrixL().nestedExpression(), starts_,
-                                                   scatter_, *inverse_);
+  covariance_ = std::make_unique<SelectedSandwich>(*factor_, scatter_, *inverse_);
 }
 
-MatrixXd PoseSystem::Covariance(int row, int column) const {
+NodeBlock PoseSystem::Covariance(int row, int column) const {
   if (!covariance_ || place_[row] < 0 || place_[column] < 0) return Block(row, column);
   if (inverse_->Has(std::max(rank_[row], rank_[column]), std::min(rank_[row], rank_[column]))) {
     return Unscaled(row, column, covariance_->Block(rank_[row], rank_[column]));
@@ -171,7 +179,7 @@ MatrixXd PoseSystem::Covariance(int row, int column) const {
 
 MatrixXd PoseSystem::CovarianceOf(const MatrixXd& gradients) const {
   if (!covariance_) return gradients.transpose() * Solve(gradients);
-  const MatrixXd response = cholesky_.solve(scale_.asDiagonal() * Reduced(gradients));
+  const MatrixXd response = factor_->Solve(scale_.asDiagonal() * Reduced(gradients));
   return response.transpose() * (scatter_.selfadjointView<Eigen::Lower>() * response);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
@@ -25,13 +24,13 @@ class PoseSystem {
   /// The block of information^-1 of two nodes, zero where the gauge holds one.
   /// At no cost where they have a plane or a factor in common, or where the elimination has tied
   /// them.
-  Eigen::MatrixXd Block(int row, int column) const;
+  NodeBlock Block(int row, int column) const;
   /// From now on covariances are information^-1 scatter information^-1 (of an M-estimator, Huber
   /// 1967), for a scatter of the scores with no other blocks than the information. Without it they
   /// are information^-1.
   void SetScatter(const PoseInformation& scatter);
   /// The covariance between two nodes, as cheap as Block.
-  Eigen::MatrixXd Covariance(int row, int column) const;
+  NodeBlock Covariance(int row, int column) const;
   /// The covariance of quantities by their gradients, one a column.
   Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& gradients) const;
   /// The variance (m^2 of a translation, rad^2 of a rotation, by the row) from which a direction of
@@ -47,15 +46,15 @@ class PoseSystem {
   void Factorize(const PoseInformation& information);
   Eigen::SparseMatrix<double> Scaled(const PoseInformation& information) const;
   Eigen::MatrixXd Reduced(const Eigen::MatrixXd& all) const;
-  Eigen::MatrixXd Unscaled(int row, int column, const Eigen::MatrixXd& block) const;
+  NodeBlock Unscaled(int row, int column, const NodeBlock& block) const;
 
   std::vector<int> first_row_;  // of each node among all, and their end
   std::vector<int> rank_;       // of a node in the order of elimination, or -1
   std::vector<int> place_;      // its first row in that order, or -1
   std::vector<int> starts_;     // the first row of each rank, and their end
   Eigen::VectorXd scale_;       // over the free nodes, in that order
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
-      cholesky_;
+  std::unique_ptr<FactorStructure> structure_;
+  std::unique_ptr<BlockFactor> factor_;
   std::unique_ptr<SelectedInverse> inverse_;
   Eigen::SparseMatrix<double> scatter_;  // lower half, scaled; empty: the information
   std::unique_ptr<SelectedSandwich> covariance_;

@@ -74,14 +74,8 @@ class GroupLeverage {
  public:
   GroupLeverage(const std::vector<const PlaneResidual*>& residuals, const PoseSystem& system,
                 const PoseInformation& numbers)
-      : numbers_(numbers), group_(residuals, numbers) {
-    covariance_ = MatrixXd::Zero(group_.rows(), group_.rows());
-    for (const auto& [a, at] : group_.nodes()) {
-      for (const auto& [b, to] : group_.nodes()) {
-        covariance_.block(at.first, to.first, at.second, to.second) = system.Block(a, b);
-      }
-    }
-    with_planes_ = covariance_ * group_.following().transpose();
+      : system_(system), numbers_(numbers), group_(residuals, numbers) {
+    SetWithPlanes();
     of_planes_ = group_.following() * with_planes_;
     VectorXd gradient = VectorXd::Zero(group_.inverse().rows());
     for (const PlaneResidual* residual : residuals) {
@@ -108,6 +102,24 @@ class GroupLeverage {
   }
 
  private:
+  // C N^T. The whole C of a surface that thousands of scans see would fill the memory.
+  void SetWithPlanes() {
+    const MatrixXd follow = group_.following().transpose();
+    with_planes_ = MatrixXd::Zero(group_.rows(), follow.cols());
+    for (auto a = group_.nodes().begin(); a != group_.nodes().end(); ++a) {
+      const auto [row, rows] = a->second;
+      for (auto b = group_.nodes().begin(); b != a; ++b) {
+        const auto [column, columns] = b->second;
+        const NodeBlock block = system_.Block(a->first, b->first);
+        with_planes_.middleRows(row, rows).noalias() += block * follow.middleRows(column, columns);
+        with_planes_.middleRows(column, columns).noalias() +=
+            block.transpose() * follow.middleRows(row, rows);
+      }
+      with_planes_.middleRows(row, rows) +=
+          system_.Block(a->first, a->first) * follow.middleRows(row, rows);
+    }
+  }
+
   static VectorXd RootCurvature(const PlaneResidual& residual) {
     return residual.curvature.size() > 0 ? VectorXd(residual.curvature.cwiseSqrt())
                                          : VectorXd::Ones(residual.linear.residual.size());
@@ -123,21 +135,22 @@ class GroupLeverage {
     const auto& jacobians = residual.linear.jacobians;
     for (std::size_t a = 0; a < residual.blocks.size(); ++a) {
       if (residual.blocks[a].kind == BlockKind::kPlane) continue;
-      const auto& [row, rows] = group_.nodes().at(numbers_.NodeOf(residual.blocks[a]));
+      const int node = numbers_.NodeOf(residual.blocks[a]);
+      const auto& [row, rows] = group_.nodes().at(node);
       leverage -= 2.0 * DiagonalOf(jacobians[a] * with_planes_.middleRows(row, rows), by_planes);
       for (std::size_t b = 0; b < residual.blocks.size(); ++b) {
         if (residual.blocks[b].kind == BlockKind::kPlane) continue;
-        const auto& [column, columns] = group_.nodes().at(numbers_.NodeOf(residual.blocks[b]));
-        leverage +=
-            DiagonalOf(jacobians[a] * covariance_.block(row, column, rows, columns), jacobians[b]);
+        const NodeBlock covariance = system_.Block(node, numbers_.NodeOf(residual.blocks[b]));
+        leverage += DiagonalOf(jacobians[a] * covariance, jacobians[b]);
       }
     }
     return leverage;
   }
 
+  const PoseSystem& system_;
   const PoseInformation& numbers_;
   GroupSystem group_;
-  MatrixXd covariance_, with_planes_, of_planes_;
+  MatrixXd with_planes_, of_planes_;
   VectorXd step_;  // of the planes to their own minimum, where they are not there
 };
 

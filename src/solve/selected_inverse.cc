@@ -25,9 +25,7 @@ Pivot PivotOf(const MatrixXd& values) {
 
 }  // namespace
 
-SelectedInverse::SelectedInverse(const Eigen::SparseMatrix<double>& lower,
-                                 std::vector<int> first_row)
-    : columns_(lower, std::move(first_row)) {
+SelectedInverse::SelectedInverse(const BlockFactor& factor) : columns_(factor.columns()) {
   for (int column = columns_.count() - 1; column >= 0; --column) Invert(column);
 }
 
@@ -40,16 +38,14 @@ void SelectedInverse::Invert(int column) {
   values.topRows(size) = pivot.inverse - reach.transpose() * values.bottomRows(rest);
 }
 
-SelectedSandwich::SelectedSandwich(const Eigen::SparseMatrix<double>& lower,
-                                   std::vector<int> first_row,
+SelectedSandwich::SelectedSandwich(const BlockFactor& factor,
                                    const Eigen::SparseMatrix<double>& scatter,
                                    const SelectedInverse& inverse)
-    : columns_(lower, std::move(first_row)) {
-  const BlockColumns factor = columns_;
+    : columns_(factor.columns()) {
   columns_.Set(scatter);
-  for (int column = 0; column < columns_.count(); ++column) Eliminate(factor, column);
+  for (int column = 0; column < columns_.count(); ++column) Eliminate(factor.columns(), column);
   for (int column = columns_.count() - 1; column >= 0; --column) {
-    Invert(factor, inverse.columns(), column);
+    Invert(factor.columns(), inverse.columns(), column);
   }
 }
 

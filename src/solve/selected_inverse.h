@@ -1,22 +1,20 @@
 #pragma once
 
-#include "solve/block_columns.h"
+#include "solve/block_factor.h"
 
 namespace planegraph {
 
 /// The blocks of A^-1 at the places where the Cholesky factor L of A = L L^T has some, without any
 /// other block of the inverse (Takahashi, Fagan and Chen 1973; Erisman and Tinney 1975). Rows and
-/// columns of A come in consecutive blocks.
+/// columns are nodes of the factor's structure.
 class SelectedInverse {
  public:
-  /// `first_row` of each block, increasing, and the number of rows after them. Every block of
-  /// `lower` counts as full.
-  SelectedInverse(const Eigen::SparseMatrix<double>& lower, std::vector<int> first_row);
+  explicit SelectedInverse(const BlockFactor& factor);
 
-  /// Whether the block is there; rows and columns are block indices.
-  bool Has(int row, int column) const { return columns_.Find(row, column) >= 0; }
+  /// Whether the block is there, row >= column.
+  bool Has(int row, int column) const { return columns_.Has(row, column); }
   /// A block that is there.
-  Eigen::MatrixXd Block(int row, int column) const { return columns_.Block(row, column); }
+  NodeBlock Block(int row, int column) const { return columns_.Block(row, column); }
   const BlockColumns& columns() const { return columns_; }
 
  private:
@@ -29,12 +27,12 @@ class SelectedInverse {
 /// derivative of -(A + e B)^-1 by e: the elimination and Takahashi's equations, differentiated.
 class SelectedSandwich {
  public:
-  /// `lower`: L; `scatter`: the lower half of B; `inverse`: that of the same L.
-  SelectedSandwich(const Eigen::SparseMatrix<double>& lower, std::vector<int> first_row,
-                   const Eigen::SparseMatrix<double>& scatter, const SelectedInverse& inverse);
+  /// `scatter`: the lower half of B; `inverse`: that of the same factor.
+  SelectedSandwich(const BlockFactor& factor, const Eigen::SparseMatrix<double>& scatter,
+                   const SelectedInverse& inverse);
 
   /// A block that is there (SelectedInverse::Has).
-  Eigen::MatrixXd Block(int row, int column) const { return -columns_.Block(row, column); }
+  NodeBlock Block(int row, int column) const { return -columns_.Block(row, column); }
 
  private:
   void Eliminate(const BlockColumns& lower, int column);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
 #include <random>
 
 #include "solve/plane_world.h"
@@ -31,16 +30,68 @@ Eigen::MatrixXd RandomBlocks(const std::vector<int>& first_row, double share, st
   return matrix + 2.0 * rows * Eigen::MatrixXd::Identity(rows, rows);
 }
 
+Eigen::SparseMatrix<double> LowerOf(const Eigen::MatrixXd& matrix) {
+  return Eigen::MatrixXd(matrix.triangularView<Eigen::Lower>()).sparseView();
+}
+
+FactorStructure StructureOf(const Eigen::MatrixXd& matrix, const std::vector<int>& first_row) {
+  const std::size_t nodes = first_row.size() - 1;
+  std::vector<std::vector<int>> below(nodes);
+  for (std::size_t b = 0; b < nodes; ++b) {
+    for (std::size_t a = nodes - 1; a > b; --a) {
+      const int r = first_row[a], c = first_row[b];
+      if (matrix.block(r, c, first_row[a + 1] - r, first_row[b + 1] - c).isZero(0.0)) continue;
+      below[b].push_back(static_cast<int>(a));
+    }
+  }
+  return FactorStructure(first_row, below);
+}
+
+// A long chain of nodes with ways across: wide columns and narrow ones, and rows of a part of them.
+TEST(BlockFactor, SolvesAndIsTheDenseFactor) {
+  std::vector<int> first_row = {0};
+  std::mt19937_64 rng(8);
+  for (int node = 0; node < 60; ++node) first_row.push_back(first_row.back() + 1 + rng() % 7);
+  for (const double share : {0.0, 0.03, 0.1, 0.5, 1.0}) {
+    const Eigen::MatrixXd matrix = RandomBlocks(first_row, share, 6);
+    const FactorStructure structure = StructureOf(matrix, first_row);
+    BlockFactor factor(structure);
+    ASSERT_TRUE(factor.Factorize(LowerOf(matrix)));
+    const Eigen::MatrixXd right = Eigen::MatrixXd::Random(matrix.rows(), 5);
+    EXPECT_LT((matrix * factor.Solve(right) - right).norm(), 1e-12 * right.norm());
+    const Eigen::MatrixXd dense = matrix.llt().matrixL();
+    for (int a = 0; a < 60; ++a) {
+      for (int b = 0; b < a; ++b) {
+        const auto expected =
+            dense.block(first_row[a], first_row[b], first_row[a + 1] - first_row[a],
+                        first_row[b + 1] - first_row[b]);
+        if (factor.columns().Has(a, b)) {
+          EXPECT_LT((factor.columns().Block(a, b) - expected).norm(), 1e-12 * dense.norm());
+        } else {
+          EXPECT_TRUE(expected.isZero(0.0));
+        }
+      }
+    }
+    EXPECT_FALSE(factor.Factorize(LowerOf(-matrix)));
+  }
+}
+
+TEST(FactorStructure, JoinsNodesWithTheSameRowsBelow) {
+  // 0 - 2, 1 - 2; 2, 3 and 4 among each other.
+  const FactorStructure structure({0, 6, 12, 18, 25, 26}, {{2}, {2}, {4, 3}, {4}, {}});
+  EXPECT_EQ(structure.column_of, (std::vector<int>{0, 1, 2, 2, 2}));
+  EXPECT_EQ(structure.rows, (std::vector<std::vector<int>>{{0, 2}, {1, 2}, {2, 3, 4}}));
+}
+
 TEST(SelectedInverse, HasTheBlocksOfTheDenseInverse) {
   const std::vector<int> first_row = {0, 6, 12, 19, 25, 26, 32, 38, 44};
   for (const double share : {0.0, 0.2, 0.5, 1.0}) {
     const Eigen::MatrixXd matrix = RandomBlocks(first_row, share, 5);
     const Eigen::MatrixXd inverse = matrix.inverse();
-    Eigen::SparseMatrix<double> sparse = matrix.sparseView();
-    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
-        cholesky(sparse);
-    ASSERT_EQ(cholesky.info(), Eigen::Success);
-    const SelectedInverse selected(cholesky.matrixL().nestedExpression(), first_row);
+    const FactorStructure structure = StructureOf(matrix, first_row);
+    BlockFactor factor(structure);
+    ASSERT_TRUE(factor.Factorize(LowerOf(matrix)));
+    const SelectedInverse selected(factor);
     int found = 0;
     for (int a = 0; a < 8; ++a) {
       for (int b = 0; b <= a; ++b) {
@@ -69,15 +120,11 @@ TEST(SelectedSandwich, HasTheBlocksOfTheDenseProduct) {
     const Eigen::MatrixXd scatter =
         matrix.cwiseProduct(RandomBlocks(first_row, 1.0, 9)) / first_row.back();
     const Eigen::MatrixXd expected = matrix.inverse() * scatter * matrix.inverse();
-    const Eigen::SparseMatrix<double> sparse = matrix.sparseView();
-    const Eigen::SparseMatrix<double> lower =
-        Eigen::MatrixXd(scatter.triangularView<Eigen::Lower>()).sparseView();
-    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
-        cholesky(sparse);
-    ASSERT_EQ(cholesky.info(), Eigen::Success);
-    const SelectedInverse inverse(cholesky.matrixL().nestedExpression(), first_row);
-    const SelectedSandwich selected(cholesky.matrixL().nestedExpression(), first_row, lower,
-                                    inverse);
+    const FactorStructure structure = StructureOf(matrix, first_row);
+    BlockFactor factor(structure);
+    ASSERT_TRUE(factor.Factorize(LowerOf(matrix)));
+    const SelectedInverse inverse(factor);
+    const SelectedSandwich selected(factor, LowerOf(scatter), inverse);
     for (int a = 0; a < 8; ++a) {
       for (int b = 0; b < 8; ++b) {
         if (!inverse.Has(std::max(a, b), std::min(a, b))) continue;
