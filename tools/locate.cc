@@ -42,7 +42,7 @@ MapRecord ReadMap() {
   Site site;
   DroneMapSite map{FLAGS_map, FLAGS_map, FLAGS_cameras, FLAGS_gps, FLAGS_image_times, {}, {}};
   const ScaleOfMap scale = ParseMapScale(FLAGS_map_scale);
-  if (FLAGS_gps.empty()) {
+  if (FLAGS_gps.empty() && !FLAGS_map_scale.empty()) {
     map.scale = scale.scale;
     map.scale_sigma = scale.sigma;
   }

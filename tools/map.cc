@@ -1,6 +1,7 @@
 // planegraph map: scans (and drone maps) to one consistent map.
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -220,8 +221,10 @@ std::string ApartText(const MapResult& result) {
 
 // All scans and maps in one component is what the map was asked for.
 int ExitCode(const MapResult& result, const nlohmann::json& report) {
+  // The others were said when they arose.
   for (const auto& warning : report["warnings"]) {
-    std::cerr << "warning: " << warning.get<std::string>() << "\n";
+    const auto text = warning.get<std::string>();
+    if (!std::count(result.warnings.begin(), result.warnings.end(), text)) PrintWarning(text);
   }
   const bool joined = MapsJoined(result);
   if (joined && result.components <= 1 && Converged(result)) return 0;
@@ -253,6 +256,7 @@ int Run(const std::vector<std::string>& arguments) {
   }
   MapOptions options = OptionsFromFlags();
   options.progress = ProgressReporter(DrawProgress);
+  options.warn = PrintWarning;
   Site site = ReadSite(arguments[0]);
   CutMapsAsFlagged(&site);
   CreateFolder(FLAGS_output_dir);

@@ -40,4 +40,8 @@ Progress ProgressReporter(void (*draw)(const std::string& stage, double done)) {
   };
 }
 
+void PrintWarning(const std::string& text) {
+  std::cerr << (is_drawn ? "\r\033[K" : "") << "warning: " << text << "\n" << std::flush;
+}
+
 }  // namespace planegraph::tools

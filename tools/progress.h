@@ -18,4 +18,7 @@ using Progress = std::function<void(const std::string& stage, double done)>;
 /// draws one line over and over, elsewhere to the heartbeat's lines. Nowhere with --quiet.
 Progress ProgressReporter(void (*draw)(const std::string& stage, double done));
 
+/// A warning on stderr, in place of the line of progress that may be drawn there.
+void PrintWarning(const std::string& text);
+
 }  // namespace planegraph::tools

@@ -23,7 +23,7 @@ DEFINE_string(target_kind, "laser", "where the target comes from: laser or visio
 DEFINE_string(guess, "", "a first target_from_source: tx,ty,tz,qx,qy,qz,qw");
 DEFINE_string(guess_sigma, "0.5,5deg",
               "standard deviation of the guess: METRES,RADIANS or METRES,DEGREESdeg, each axis");
-DEFINE_string(map_scale, "", "metres per unit of the target");
+DEFINE_string(map_scale, "", "metres per unit of the target, S or S:SIGMA");
 DEFINE_string(matcher, "ours", "how planes are matched: ours or xiao");
 
 namespace planegraph::tools {

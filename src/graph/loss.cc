@@ -45,11 +45,21 @@ const std::vector<std::string>& LossNames() {
   return names;
 }
 
+namespace {
+
+[[noreturn]] void FailUnknown(const std::string& name) {
+  std::string known;
+  for (const std::string& loss : LossNames()) known += (known.empty() ? "" : ", ") + loss;
+  throw UsageError("unknown loss '" + name + "' (" + known + ")");
+}
+
+}  // namespace
+
 LossSpec ParseLoss(const std::string& text) {
   const std::size_t colon = text.find(':');
   LossSpec spec{text.substr(0, colon), 0.0};
   if (spec.name == "soft_l_one") spec.name = "soft_l1";  // as Ceres spells it
-  if (!DefaultScales().count(spec.name)) throw UsageError("unknown loss '" + spec.name + "'");
+  if (!DefaultScales().count(spec.name)) FailUnknown(spec.name);
   if (colon == std::string::npos) return spec;
   if (spec.name == "none") throw UsageError("the loss 'none' has no scale");
   spec.scale = ParseScale(text.substr(colon + 1));
@@ -58,7 +68,7 @@ LossSpec ParseLoss(const std::string& text) {
 
 std::unique_ptr<ceres::LossFunction> MakeLoss(const LossSpec& spec) {
   const auto known = DefaultScales().find(spec.name);
-  if (known == DefaultScales().end()) throw UsageError("unknown loss '" + spec.name + "'");
+  if (known == DefaultScales().end()) FailUnknown(spec.name);
   const double scale = spec.scale > 0.0 ? spec.scale : known->second;
   if (spec.name == "huber") return std::make_unique<ceres::HuberLoss>(scale);
   if (spec.name == "soft_l1") return std::make_unique<ceres::SoftLOneLoss>(scale);

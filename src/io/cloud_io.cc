@@ -20,14 +20,6 @@ Parser ParserOf(const std::string& format) {
   return found == kParsers.end() ? nullptr : found->second;
 }
 
-std::string FormatOfEnding(const std::string& path) {
-  static const std::map<std::string, std::string> kFormats = {
-      {".ply", "ply"}, {".pcd", "pcd"}, {".3d", "3dtk"}, {".xyz", "xyz"},
-      {".txt", "xyz"}, {".csv", "xyz"}, {".asc", "xyz"}, {".pts", "xyz"}};
-  const auto found = kFormats.find(ToLower(std::filesystem::path(path).extension().string()));
-  return found == kFormats.end() ? "" : found->second;
-}
-
 // The format that the first bytes give away; "" for plain text and the unknown.
 std::string FormatOfContent(std::string_view bytes) {
   const std::string_view word = bytes.substr(0, bytes.find_first_of(" \r\n"));
@@ -38,13 +30,22 @@ std::string FormatOfContent(std::string_view bytes) {
 
 }  // namespace
 
+std::string CloudFormatOfEnding(const std::string& path) {
+  static const std::map<std::string, std::string> kFormats = {
+      {".ply", "ply"}, {".pcd", "pcd"}, {".3d", "3dtk"}, {".xyz", "xyz"},
+      {".txt", "xyz"}, {".csv", "xyz"}, {".asc", "xyz"}, {".pts", "xyz"}};
+  const auto found = kFormats.find(ToLower(std::filesystem::path(path).extension().string()));
+  return found == kFormats.end() ? "" : found->second;
+}
+
 std::string ChooseCloudFormat(const std::string& path, const std::string& asked,
                               std::string_view bytes) {
   const std::string content = FormatOfContent(bytes);
-  std::string format = asked == "auto" ? FormatOfEnding(path) : asked;
+  std::string format = asked == "auto" ? CloudFormatOfEnding(path) : asked;
   if (format.empty()) format = content;
   if (format.empty()) {
-    throw InputError::InFile(path, "is no known cloud format (.ply .pcd .xyz .txt .csv .pts .3d)");
+    throw InputError::InFile(path, std::string("is no known cloud format (") + kCloudEndings +
+                                       "); export .las, .e57 and others first: docs/your_data.md");
   }
   if (!content.empty() && content != format) {
     throw InputError::InFile(path, "holds " + content + ", not " + format);

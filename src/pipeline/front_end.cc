@@ -28,11 +28,9 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The default chain drops what lies nearer than half a metre: the robot itself.
 Cloud Filter(const RobotSite& robot, Cloud cloud) {
-  constexpr double kRobotRadius = 0.5;
-  if (robot.filters.empty()) return RangeFilter(cloud, kRobotRadius, INFINITY);
-  return FilterChain(robot.filters).Apply(std::move(cloud));
+  return FilterChain(robot.filters.empty() ? DefaultFilters() : robot.filters)
+      .Apply(std::move(cloud));
 }
 
 // A point far off everything is the file's error, not the program's.

@@ -33,10 +33,13 @@ std::optional<std::string> AssumptionOf(const DroneMapSite& map) {
   if (!map.gps.empty() && map.cameras.empty()) {
     return map.name + ": its GPS is not used, since no `cameras` say where the images were taken";
   }
-  if (!map.gps.empty() || map.scale != 1.0 || map.scale_sigma) return {};
+  if (!map.gps.empty() && map.scale) {
+    return map.name + ": its `scale` is not used: `gps` tells it";
+  }
+  if (!map.gps.empty() || map.scale || map.scale_sigma) return {};
   return map.name +
          ": no GPS: its unit is taken for the metre, and its place is searched for; "
-         "`cameras` with `gps` tell both, `scale` the unit";
+         "`cameras` with `gps` tell both, `scale` (--map_scale) the unit";
 }
 
 // The middle of the cameras in whole metres: what keeps coordinates small.
@@ -44,6 +47,16 @@ Eigen::Vector3d MiddleOf(const Georeference& georeference) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const CameraFix& fix : georeference.fixes) sum += fix.position_in_world;
   return (sum / static_cast<double>(georeference.fixes.size())).array().round();
+}
+
+// Nobody's origin is that far from the site.
+std::optional<std::string> OriginWarning(const Site& site, const Georeference& georeference) {
+  constexpr double kFar = 50e3;  // metres
+  if (!site.origin || georeference.fixes.empty()) return {};
+  const double distance = MiddleOf(georeference).norm();
+  if (distance < kFar) return {};
+  return "`origin` lies " + std::to_string(static_cast<long>(distance / 1000.0)) +
+         " km from the GPS positions: are latitude and longitude exchanged in one of them?";
 }
 
 // Positions that the user trusts less, or more, than their residuals say.
@@ -81,7 +94,7 @@ void SetFrames(const DroneMapSite& site, MapRecord* map) {
     map->metric_from_map = map->world_from_metric.Inverse() * map->georeference->world_from_map;
     map->sigma_scale = map->georeference->sigma_scale;
   }
-  if (!map->has_position()) map->metric_from_map.scale = site.scale;
+  if (!map->has_position()) map->metric_from_map.scale = site.scale.value_or(1.0);
   if (site.scale_sigma) map->sigma_scale = *site.scale_sigma;
 }
 
@@ -177,6 +190,9 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
     warnings->push_back(map.id + ": no scale and place by GPS: " + map.georeference->reason);
   }
   if (const auto assumption = AssumptionOf(source)) warnings->push_back(*assumption);
+  if (map.has_position()) {
+    if (const auto far = OriginWarning(site, *map.georeference)) warnings->push_back(*far);
+  }
   SetFrames(source, &map);
   const bool has_normals = IsTooLarge(source, memory, warnings)
                                ? SegmentInTiles(source, threads, memory, warnings, &map)

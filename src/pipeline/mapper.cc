@@ -213,6 +213,21 @@ void Optimize(const Placement& placement, const MapOptions& options, MapResult* 
   }
 }
 
+// Gives the user the warnings that have come since the last time.
+class WarningTeller {
+ public:
+  WarningTeller(const MapOptions& options, const MapResult& result)
+      : options_(options), result_(result) {}
+  void Tell() {
+    for (; told_ < result_.warnings.size(); ++told_) options_.warn(result_.warnings[told_]);
+  }
+
+ private:
+  const MapOptions& options_;
+  const MapResult& result_;
+  std::size_t told_ = 0;
+};
+
 }  // namespace
 
 const LossSpec& PlaneLoss(const MapOptions& options) {
@@ -232,12 +247,14 @@ std::string LossText(const MapOptions& options) {
 MapResult MapScans(const Site& site, const MapOptions& options) {
   Check(options);
   MapResult result;
+  WarningTeller teller(options, result);
   result.site = site;
   result.warnings = OdometryWarnings(site);
   for (const DroneMapSite& map : site.maps) {
     if (!map.tiles || options.optimizer == "graph") continue;
     result.warnings.push_back(map.name + ": it stays one piece: tiles need the optimizer graph");
   }
+  teller.Tell();
   {
     Lap lap(&result.seconds.front_end);
     result.scans = PrepareScans(site, options);
@@ -245,18 +262,21 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
   for (std::string& warning : UnitsWarnings(site, result.scans)) {
     result.warnings.push_back(std::move(warning));
   }
+  teller.Tell();
   {
     Lap lap(&result.seconds.maps);
     result.maps = PrepareMaps(site, options, &result);
   }
   result.odometry = OdometrySteps(site, result.scans);
   result.robot_positions = ReadRobotPositions(site, result.scans, result.maps, &result.warnings);
+  teller.Tell();
   Placement placement;
   const std::vector<ScanModel> models = MakeModels(result.scans, options.threads);
   {
     Lap lap(&result.seconds.pairing);
     placement = StartPlacement(RegisterScans(models, options, &result), result.maps);
   }
+  teller.Tell();
   if (!result.maps.empty()) {
     Lap lap(&result.seconds.placing);
     options.progress("placing", 0.0);
@@ -272,6 +292,7 @@ MapResult MapScans(const Site& site, const MapOptions& options) {
     ComputeUncertainty(result.pairs, options, &result);
     options.progress("covariance", 1.0);
   }
+  teller.Tell();
   return result;
 }
 

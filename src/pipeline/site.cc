@@ -12,6 +12,7 @@
 #include "pipeline/true_scale.h"
 #include "pipeline/yaml_reader.h"
 #include "planegraph/base/error.h"
+#include "planegraph/io/cloud_io.h"
 #include "planegraph/io/gps_io.h"
 
 namespace planegraph {
@@ -58,11 +59,10 @@ std::vector<double> SiteReader::Numbers(const YAML::Node& node, std::size_t coun
 
 std::vector<std::string> SiteReader::FilesInFolder(const fs::path& folder,
                                                    const std::string& format) const {
-  static const std::set<std::string> kEndings = {".3d", ".ply", ".pcd", ".xyz", ".txt", ".csv"};
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string ending = entry.path().extension().string();
-    const bool wanted = format == "3dtk" ? ending == ".3d" : kEndings.count(ending) > 0;
+    const std::string own = CloudFormatOfEnding(entry.path().string());
+    const bool wanted = format == "3dtk" ? own == "3dtk" : !own.empty();
     if (entry.is_regular_file() && wanted) files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
@@ -82,6 +82,10 @@ std::vector<std::string> SiteReader::Scans(const YAML::Node& robot,
       files.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
     }
     ::globfree(&matches);
+  }
+  if (files.empty() && fs::is_directory(pattern)) {
+    Fail(robot["scans"], "the folder " + pattern.string() + " holds no scans (" + kCloudEndings +
+                             "); export .las, .e57 and others first: docs/your_data.md");
   }
   if (files.empty()) Fail(robot["scans"], "no scan matches " + pattern.string());
   return files;
@@ -285,12 +289,13 @@ MapTiling SiteReader::Tiles(const YAML::Node& node) const {
 }
 
 DroneMapSite SiteReader::Map(const YAML::Node& node) const {
-  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale_sigma", "gps_sigma",
-                   "gravity", "reference", "tiles"});
+  AllowKeys(node, {"name", "cloud", "cameras", "gps", "image_times", "scale", "scale_sigma",
+                   "gps_sigma", "gravity", "reference", "tiles"});
   DroneMapSite map{Text(node, "name", ""),     File(node, "cloud"),
                    File(node, "cameras"),      File(node, "gps"),
                    File(node, "image_times"),  Positive(node, "scale_sigma"),
                    Positive(node, "gps_sigma")};
+  map.scale = Positive(node, "scale");
   map.gravity = Gravity(node["gravity"]);
   if (node["tiles"]) map.tiles = Tiles(node["tiles"]);
   map.reference = File(node, "reference");
@@ -311,6 +316,11 @@ bool LooksLikeCloud(const std::string& file) {
 }
 
 Site SiteReader::Read() {
+  if (fs::is_directory(path_)) {
+    throw InputError::InFile(path_,
+                             "is a folder: `map` takes a site file that names it (robots: [{name: "
+                             "cart, scans: FOLDER}]); see docs/your_data.md");
+  }
   if (LooksLikeCloud(path_)) throw InputError::InFile(path_, "is a cloud, not a site file");
   const YAML::Node root = Load();
   if (!root.IsMap()) throw InputError::AtLine(path_, 1, "is not a site file");
@@ -318,6 +328,9 @@ Site SiteReader::Read() {
   Site site;
   site.name = Text(root, "name", fs::path(path_).stem().string());
   if (root["origin"]) site.origin = Origin(root["origin"]);
+  if (root["robots"] && root["robots"].IsMap()) {
+    Fail(root["robots"], "`robots` is a list: each of them begins with `- name:`");
+  }
   if (!root["robots"] || !root["robots"].IsSequence() || root["robots"].size() == 0) {
     Fail(root, "a site needs `robots`: a list with at least one");
   }
@@ -327,7 +340,8 @@ Site SiteReader::Read() {
     if (!names.insert(site.robots.back().name).second) Fail(node, "this robot's name is taken");
   }
   if (root["maps"]) {
-    if (!root["maps"].IsSequence()) Fail(root["maps"], "`maps` is a list");
+    if (!root["maps"].IsSequence())
+      Fail(root["maps"], "`maps` is a list: each of them begins with `- name:`");
     for (const auto& node : root["maps"]) site.maps.push_back(Map(node));
   }
   return site;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planegraph/base/atomic_file.h"
+#include "planegraph/base/nearest_name.h"
 
 namespace planegraph {
 
@@ -23,7 +24,9 @@ void YamlReader::AllowKeys(const YAML::Node& map, const std::set<std::string>& k
     if (keys.count(key)) continue;
     std::string known;
     for (const auto& k : keys) known += (known.empty() ? "" : ", ") + k;
-    Fail(entry.first, "unknown key '" + key + "' (known here: " + known + ")");
+    const std::string near = NearestName(key, {keys.begin(), keys.end()});
+    const std::string advice = near.empty() ? "" : "; did you mean " + near + "?";
+    Fail(entry.first, "unknown key '" + key + "' (known here: " + known + ")" + advice);
   }
 }
 

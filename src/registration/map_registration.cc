@@ -189,7 +189,11 @@ MapLocation LocateInMap(const MapModel& map, const ScanGroup& group,
   MapLocation location;
   auto candidates = SearchMap(map, group, options);
   if (candidates.empty()) {
-    location.reason = "the scans and the map have no two plane directions at equal angles";
+    location.reason =
+        options.prior.pose
+            ? "near the start no two plane directions of the scans and the map are at equal "
+              "angles: is its rotation x y z w, and in the frame of the map (east, north, up)?"
+            : "the scans and the map have no two plane directions at equal angles";
     return location;
   }
   SortBest(map, options.prior, kFirstBackground, &candidates);

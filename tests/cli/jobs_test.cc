@@ -153,6 +153,12 @@ TEST_F(Jobs, UnknownNamesAreWrongUsage) {
   }
 }
 
+TEST_F(Jobs, AnUnknownLossListsTheLosses) {
+  const Outcome outcome = RunTool("map site.yaml --output_dir=" + Path("out") + " --loss=huberr");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("soft_l1, cauchy"));
+}
+
 TEST_F(Jobs, ALossForAnUnknownFactorListsTheFactors) {
   const Outcome outcome = Map(Tiny(), "--loss=cauchy:1,gps=tukey:3");
   EXPECT_EQ(outcome.exit_code, 1);

@@ -168,6 +168,41 @@ TEST_F(HybridYard, AMapWithoutGpsSaysWhatIsTakenForGranted) {
   EXPECT_THAT(warnings(site), IsEmpty());
 }
 
+TEST_F(HybridYard, AScaleBesidePositionsIsNotUsed) {
+  Site site = Read("site.yaml");
+  std::vector<std::string> warnings;
+  const double by_gps = PrepareMap(site, 0, 1, &warnings).metric_from_map.scale;
+  site.maps[0].scale = 2.0;
+  EXPECT_EQ(PrepareMap(site, 0, 1, &warnings).metric_from_map.scale, by_gps);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("`scale` is not used")));
+  site.maps[0].gps.clear();
+  EXPECT_EQ(PrepareMap(site, 0, 1, &warnings).metric_from_map.scale, 2.0);
+}
+
+TEST_F(HybridYard, AnOriginFarFromTheFlightIsNamed) {
+  Site site = Read("site.yaml");
+  ASSERT_TRUE(site.origin.has_value());
+  std::swap(site.origin->latitude, site.origin->longitude);
+  std::vector<std::string> warnings;
+  PrepareMap(site, 0, 1, &warnings);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("are latitude and longitude exchanged")));
+}
+
+// A user who waits wants to know why.
+TEST_F(HybridYard, WarningsComeWhenTheyArise) {
+  Site site = Read("site.yaml");
+  site.maps[0].scale = 2.0;
+  MapOptions options = Options("graph");
+  std::vector<std::string> events;
+  options.warn = [&](const std::string& text) { events.push_back(text); };
+  options.progress = [&](const std::string& stage, double) { events.push_back(stage); };
+  const MapResult result = MapScans(site, options);
+  ASSERT_THAT(result.warnings, ElementsAre(HasSubstr("`scale` is not used")));
+  const auto warning = std::find(events.begin(), events.end(), result.warnings[0]);
+  EXPECT_LT(warning, std::find(events.begin(), events.end(), "placing"));
+  EXPECT_EQ(std::count(events.begin(), events.end(), result.warnings[0]), 1);
+}
+
 // Of the model's cloud, which is also where its sparse points lie, a part, or all of it moved.
 TEST_F(HybridYard, ACloudInAnotherFrameThanItsCamerasIsNamed) {
   const Site site = Read("site.yaml");

@@ -76,13 +76,15 @@ TEST_F(SiteFile, ReadsTheOriginAndWhatIsKnownOfAMap) {
   const Site site = ReadSite(Write("site.yaml", R"(origin: {lat: 51.5, lon: -7.5, alt: 115}
 robots: [{name: a, scans: scans}]
 maps:
-  - {name: m, cloud: uav/cloud.ply, scale_sigma: 0.01, gps_sigma: 1.5}
+  - {name: m, cloud: uav/cloud.ply, scale: 8.5, scale_sigma: 0.01, gps_sigma: 1.5}
   - {name: n, cloud: uav/cloud.ply}
 )"));
   ASSERT_TRUE(site.origin.has_value());
   EXPECT_EQ(site.origin->latitude, 51.5);
   EXPECT_EQ(site.origin->longitude, -7.5);
   EXPECT_EQ(site.origin->altitude, 115.0);
+  EXPECT_EQ(site.maps[0].scale, 8.5);
+  EXPECT_FALSE(site.maps[1].scale.has_value());
   EXPECT_EQ(site.maps[0].scale_sigma, 0.01);
   EXPECT_EQ(site.maps[0].gps_sigma, 1.5);
   EXPECT_FALSE(site.maps[1].scale_sigma.has_value());
@@ -197,6 +199,28 @@ TEST_F(SiteFile, AFolderIsReadInOrderOfNames) {
               ElementsAre(EndsWith("a.xyz"), EndsWith("b.xyz"), EndsWith("c.xyz")));
 }
 
+TEST_F(SiteFile, AFolderHoldsScansOfEveryFormatThatIsRead) {
+  for (const char* scan : {"all/1.asc", "all/2.pts", "all/3.csv", "all/4.PLY"}) Write(scan, "");
+  Write("all/5.las", "");
+  const Site site = ReadSite(Write("site.yaml", "robots: [{name: a, scans: all}]"));
+  EXPECT_THAT(site.robots[0].scans, ElementsAre(EndsWith("1.asc"), EndsWith("2.pts"),
+                                                EndsWith("3.csv"), EndsWith("4.PLY")));
+}
+
+TEST_F(SiteFile, AFolderWithoutScansSaysWhatTheyAre) {
+  Write("las/a.las", "");
+  ExpectError("robots:\n  - name: a\n    scans: las\n", "3", ".asc .pts .3d); export .las");
+}
+
+TEST_F(SiteFile, AFolderIsNoSite) {
+  try {
+    ReadSite(Path("scans"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.reason(), HasSubstr("takes a site file"));
+  }
+}
+
 TEST_F(SiteFile, PosesBesideScansAreTheOdometry) {
   for (int i = 0; i < 3; ++i) {
     const std::string name = "dtk/scan00" + std::to_string(i);
@@ -227,11 +251,13 @@ TEST_F(SiteFile, WhatIsNoSite) {
   ExpectError("name: a\nrobots: []\n", "1", "robots");
   ExpectError("name: [a, b]\nrobots: []\n", "1", "name");
   ExpectError("robots:\n  - just words\n", "2", "key");
+  ExpectError("name: a\nrobots:\n  name: b\n  scans: scans\n", "3", "begins with `- name:`");
 }
 
 TEST_F(SiteFile, UnknownKeysAreNamedWithTheirLine) {
   ExpectError("robots:\n  - name: a\n    scans: scans\nspeed: 3\n", "4", "'speed'");
   ExpectError("robots:\n  - name: a\n    scan: scans\n", "3", "'scan'");
+  ExpectError("robots:\n  - name: a\n    scan: scans\n", "3", "did you mean scans?");
   ExpectError("robots:\n  - name: a\n    scans: scans\n    start: {yaw: 3}\n", "4", "'yaw'");
   ExpectError("robots:\n  - {name: a, scans: scans}\nmaps:\n  - name: m\n    points: p\n", "5",
               "'points'");

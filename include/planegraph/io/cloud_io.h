@@ -7,6 +7,12 @@
 
 namespace planegraph {
 
+/// The endings of the cloud formats that are read.
+inline constexpr const char* kCloudEndings = ".ply .pcd .xyz .txt .csv .asc .pts .3d";
+
+/// Of a file by its ending: "ply", "pcd", "xyz" or "3dtk"; "" of all others.
+std::string CloudFormatOfEnding(const std::string& path);
+
 /// Reads a cloud: PLY (ascii, binary little and big endian, float or double), PCD (ascii, binary,
 /// binary_compressed), XYZ/TXT/CSV, 3DTK `.3d`. `format` is "auto" (by the ending, checked against
 /// the content), "ply", "pcd", "xyz" or "3dtk". Points with a NaN or infinite coordinate are

@@ -39,6 +39,8 @@ struct MapOptions {
   double stable =
       5e-4;  ///< metres, or the scans' noise floor: a round that moves no pose farther is the last
   Progress progress = [](const std::string&, double) {};
+  /// Is given each warning when it arises, long before all are in MapResult::warnings.
+  std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
 /// Loss of the plane factor, or of the measurements of one type.

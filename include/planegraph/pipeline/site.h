@@ -45,6 +45,9 @@ struct OdometryNoise {
   double rotation_per_metre = 0.5 * std::numbers::pi / 180;  ///< radians per metre
 };
 
+/// Drops what lies nearer than half a metre: the robot itself.
+inline std::vector<FilterStep> DefaultFilters() { return {{"range", {{"min", 0.5}}}}; }
+
 /// A robot's scans in order, and what is known of its way.
 struct RobotSite {
   std::string name;
@@ -54,8 +57,8 @@ struct RobotSite {
   OdometryNoise odometry_noise = {};
   std::string odometry_file;  ///< that holds it; empty where .pose files do
   std::optional<StartPose> start;
-  std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
-  std::vector<FilterStep> filters;
+  std::string reference;            ///< a trajectory file, for evaluation alone; may be empty
+  std::vector<FilterStep> filters;  ///< empty: DefaultFilters()
   std::optional<RobotGps> gps;
   std::optional<GravityPrior> gravity;  ///< in the frame of every scan
 };
@@ -77,7 +80,7 @@ struct DroneMapSite {
   std::string name, cloud, cameras, gps, image_times;
   std::optional<double> scale_sigma;         ///< relative; in place of what the positions tell
   std::optional<double> gps_sigma;           ///< metres, of one position and axis; likewise
-  double scale = 1.0;                        ///< metres per unit, where no positions tell
+  std::optional<double> scale = {};          ///< metres per unit, where no positions tell
   std::optional<GravityPrior> gravity = {};  ///< in the map's own frame
   std::string reference = {};  ///< JSON file with the true `scale`, for evaluation alone; or empty
   std::optional<double> true_scale = {};  ///< of that file, metres per unit
