@@ -76,12 +76,18 @@ std::string PositionText(const ReportScan& scan) {
   return Fixed(p.x(), 2) + ", " + Fixed(p.y(), 2) + ", " + Fixed(p.z(), 2);
 }
 
-std::string SigmaText(const ReportScan& scan, int first, double factor, int decimals) {
-  if (!scan.covariance) return kDash;
-  return Fixed(WeakestAxis(*scan.covariance, first).sigma * factor, decimals);
+// Nothing is known of its place; the others of its component are relative to it.
+bool IsFirstApart(const ReportScan& scan) { return scan.stands_apart && IsFixed(scan); }
+
+// Numbers of components begin with 1 for readers.
+std::string ComponentText(const ReportScan& scan) {
+  return scan.component ? std::to_string(*scan.component + 1) : kDash;
 }
 
-bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
+std::string SigmaText(const ReportScan& scan, int first, double factor, int decimals) {
+  if (!scan.covariance || IsFirstApart(scan)) return kDash;
+  return Fixed(WeakestAxis(*scan.covariance, first).sigma * factor, decimals);
+}
 
 // Covariances are relative to a fixed scan; where GPS holds all scans, there is none.
 bool HasFixed(const ReportData& data) {
@@ -91,6 +97,7 @@ bool HasFixed(const ReportData& data) {
 std::string WeakestText(const ReportScan& scan, bool has_fixed) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
+  if (IsFirstApart(scan)) return "first of component " + ComponentText(scan) + ": place unknown";
   if (IsFixed(scan)) return "fixed: the world's frame";
   if (!scan.covariance) return kDash;
   const Weakest weakest = WeakestAxis(*scan.covariance, 0);
@@ -125,12 +132,16 @@ std::string AnchorsText(const Json& scan) {
   return text.empty() ? kDash : text;
 }
 
-// What the 3-D view is asked for by this row.
-std::string ViewAttribute(const char* kind, std::size_t index) {
-  return std::string(" data-") + kind + "=\"" + std::to_string(index) + "\"";
+std::string SigmaNote(const ReportData& data, bool has_fixed) {
+  const std::string frame = !has_fixed      ? "in the world frame"
+                            : data.is_whole ? "relative to the fixed scan"
+                                            : "relative to the first scan of its component";
+  return "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
+         "rotation about its weakest axis, " +
+         frame + ".</p>\n";
 }
 
-void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* table) {
+void AddScan(const ReportData& data, const ReportScan& scan, bool has_fixed, HtmlTable* table) {
   const Json& json = *scan.json;
   std::vector<std::string> cells = {TextOrDash(scan.id),
                                     GroupedOrDash(NumberAt(json, {"points"})),
@@ -141,60 +152,10 @@ void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* t
                                     SigmaText(scan, 3, kDegrees, 3),
                                     SecondsText(json),
                                     WeakestText(scan, has_fixed)};
-  if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
+  if (!data.maps.empty()) cells.insert(cells.end() - 1, AnchorsText(json));
+  if (!data.is_whole) cells.insert(cells.begin() + 1, ComponentText(scan));
   table->Row(cells, OpenDirections(json).empty() ? "" : "weak",
              ViewAttribute("scan", table->rows()));
-}
-
-// ---- registrations ----
-
-std::string CorrespondencesText(const Json& r) {
-  const Json& value = Get(r, {"correspondences"});
-  if (value.is_array()) return Grouped(static_cast<double>(value.size()));
-  return GroupedOrDash(NumberAt(r, {"correspondences"}));
-}
-
-// The direction that a registration knows least of, with its standard deviation.
-std::string WeakestOf(const Json& r) {
-  constexpr double kUnknown = 100.0;  // metres: beyond, nothing but the solver's damping holds it
-  const auto covariance = CovarianceOf(r);
-  if (!covariance) return kDash;
-  const Weakest weakest = WeakestAxis(*covariance, 0);
-  std::string axis;  // in one piece, wherever the line breaks
-  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ",\u00a0" : "") + Fixed(weakest.axis[k], 1);
-  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + "\u00a0mm" : "open") +
-         " along (" + axis + ")";
-}
-
-std::string NoteText(const Json& r) {
-  std::string note = Escape(TextAt(r, {"reason"}));
-  for (const OpenDirection& open : OpenDirections(r)) {
-    note += (note.empty() ? "" : "; ") + InWords(open) + " not observed";
-  }
-  return note;
-}
-
-std::string StatusText(const std::string& status) {
-  if (status.empty()) return kDash;
-  return "<span class=\"status " + std::string(status == "ok" ? "good" : "fair") + "\">" +
-         Escape(status) + "</span>";
-}
-
-std::string UsedText(const std::optional<bool>& used) {
-  if (!used) return kDash;
-  return *used ? "yes" : "no";
-}
-
-void AddRegistration(const Json& r, HtmlTable* table) {
-  table->Row({TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
-              TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})),
-              UsedText(FlagAt(r, {"used"})), CorrespondencesText(r),
-              GroupedOrDash(NumberAt(r, {"surfels"})), FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0),
-              FixedOrDash(NumberAt(r, {"tilt_rms"}), 2, 1000.0),
-              GroupedOrDash(NumberAt(r, {"redundancy"})), FixedOrDash(NumberAt(r, {"quality"}), 2),
-              FixedOrDash(NumberAt(r, {"seconds"}), 3), WeakestOf(r), NoteText(r)},
-             FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
-             ViewAttribute("registration", table->rows()));
 }
 
 }  // namespace
@@ -214,7 +175,7 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  const bool has_maps = !data.maps.empty(), has_fixed = HasFixed(data);
+  const bool has_fixed = HasFixed(data);
   std::vector<HtmlColumn> columns = {{"scan", "", false},
                                      {"points", ""},
                                      {"after filters", ""},
@@ -224,35 +185,14 @@ std::string ScansHtml(const ReportData& data) {
                                      {"sigma", "deg"},
                                      {"time", "s"},
                                      {WeakestHeading(data, has_fixed), "", false}};
-  if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
+  if (!data.maps.empty()) columns.insert(columns.end() - 1, {"in the map", "", false});
+  if (!data.is_whole) columns.insert(columns.begin() + 1, {"component", ""});
   HtmlTable table(std::move(columns));
-  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, has_fixed, &table);
+  for (const ReportScan& scan : data.scans) AddScan(data, scan, has_fixed, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
-                 "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
-                 "rotation about its weakest axis, " +
-                     std::string(has_fixed ? "relative to the fixed scan" : "in the world frame") +
-                     ".</p>\n" +
+                 SigmaNote(data, has_fixed) +
                      table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
-}
-
-std::string RegistrationsHtml(const ReportData& data) {
-  HtmlTable table({{"target", "", false},
-                   {"source", "", false},
-                   {"kind", "", false},
-                   {"status", "", false},
-                   {"used", "", false},
-                   {"pairs of planes", ""},
-                   {"of patches", ""},
-                   {"residual", "mm"},
-                   {"tilt", "mrad"},
-                   {"redundancy", ""},
-                   {"quality", ""},
-                   {"time", "s"},
-                   {"weakest direction", "", false},
-                   {"why not used, and what is open", "", false}});
-  for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
-  return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
 }
 
 }  // namespace planegraph

@@ -87,6 +87,7 @@ svg.bar { display: block; width: 100%; height: 1.6rem; border-radius: 4px; }
 path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .way { fill: none; stroke: var(--robot); stroke-width: 1.8; stroke-linejoin: round; }
 .scan { fill: var(--robot); stroke: var(--halo); stroke-width: 1.4; }
+.scan.apart { fill: var(--page); stroke: var(--robot); } .way.apart { stroke-dasharray: 2 4; opacity: .7; }
 .sigma { fill: var(--robot); fill-opacity: .2; stroke: var(--robot); stroke-width: 1; }
 .open { stroke: #d1242f; stroke-width: 2; stroke-dasharray: 6 4; }
 .photo { opacity: .55; } .photo-key { fill: #8f9a76; opacity: .7; }

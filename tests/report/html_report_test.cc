@@ -290,10 +290,68 @@ TEST_F(HtmlReport, SaysWhatFailed) {
   report["solve"]["converged"] = false;
   const std::string page = ReportOf(report.dump());
   EXPECT_THAT(page, HasSubstr("verdict bad"));
-  EXPECT_THAT(page, HasSubstr("The 3 scans do not form one component but 2 (of 2, 1 scans)"));
+  EXPECT_THAT(page, HasSubstr("The 3 scans do not form one component but 2 (of 2, 1 scans): "
+                              "cart/000 stands apart;"));
   EXPECT_THAT(page, HasSubstr("the solve did not converge"));
   report["solve"]["optimizer"] = "none";  // there was none
   EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr("the solve did not converge")));
+}
+
+// Four scans of ugv, the third and fourth by themselves.
+nlohmann::json BrokenReport() {
+  nlohmann::json report = SampleReport();
+  nlohmann::json scans = {report["scans"][0], report["scans"][1], report["scans"][0],
+                          report["scans"][1]};
+  for (int i = 0; i < 4; ++i) {
+    scans[i]["id"] = "ugv/00" + std::to_string(i);
+    scans[i]["component"] = i / 2;
+    scans[i]["world_from_scan"]["translation"] = {2 * i, 1, 0};
+  }
+  report["scans"] = scans;
+  report["components"] = 2;
+  return report;
+}
+
+TEST_F(HtmlReport, SaysWhoStandsApartAndThatTheirPlaceMeansNothing) {
+  const std::string page = ReportOf(BrokenReport().dump());
+  EXPECT_EQ(FirstFault(page), "");
+  EXPECT_THAT(page, HasSubstr("but 2 (of 2, 2 scans): ugv/002 to 003 stand apart; their place in "
+                              "plan and map means nothing"));
+  EXPECT_THAT(page, HasSubstr("<th class=\"n\">component</th>"));
+  EXPECT_THAT(page, HasSubstr("<td>ugv/003</td><td class=\"n\">2</td>"));
+  // No sigmas of its place, the time, the map that it is anchored to.
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">–</td><td class=\"n\">–</td>"
+                              "<td class=\"n\">0.060</td><td>uav</td>"
+                              "<td>first of component 2: place unknown</td>"));
+  EXPECT_THAT(page, HasSubstr("relative to the first scan of its component"));
+  EXPECT_THAT(page, HasSubstr("scans that stand apart: their place means nothing"));
+}
+
+TEST_F(HtmlReport, TheWayIsCutBetweenComponents) {
+  const auto ways = [](std::string page) {
+    page.erase(page.find("Directions that"));  // plots draw lines of the same kind
+    const std::regex way("<polyline points=\"[^\"]*\" class=\"way r0");
+    return std::distance(std::sregex_iterator(page.begin(), page.end(), way), {});
+  };
+  nlohmann::json report = BrokenReport();
+  EXPECT_EQ(ways(ReportOf(report.dump())), 2);
+  for (auto& scan : report["scans"]) scan["component"] = 0;
+  report["components"] = 1;
+  const std::string whole = ReportOf(report.dump());
+  EXPECT_EQ(ways(whole), 1);
+  EXPECT_THAT(whole, Not(HasSubstr("apart\"")));
+  EXPECT_THAT(whole, Not(HasSubstr("<th class=\"n\">component</th>")));
+  EXPECT_THAT(whole, HasSubstr("fixed: the world's frame"));
+}
+
+// GPS of each part, or starts: then no scan is fixed.
+TEST_F(HtmlReport, ScansApartThatHaveAPlaceAreNotSaidToHaveNone) {
+  nlohmann::json report = BrokenReport();
+  report["scans"][2]["covariance"] = report["scans"][1]["covariance"];
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, HasSubstr("ugv/002 to 003 stand apart"));
+  EXPECT_THAT(page, Not(HasSubstr("means nothing")));
+  EXPECT_THAT(page, Not(HasSubstr("place unknown")));
 }
 
 TEST_F(HtmlReport, LongTablesFoldUp) {
