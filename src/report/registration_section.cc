@@ -22,8 +22,10 @@ std::string WeakestOf(const Json& r) {
          " along (" + axis + ")";
 }
 
+// Why it is not used, and what it leaves open: the reason of a degenerate one names that already.
 std::string NoteText(const Json& r) {
   std::string note = Escape(TextAt(r, {"reason"}));
+  if (!note.empty() && TextAt(r, {"status"}) == "degenerate") return note;
   for (const OpenDirection& open : OpenDirections(r)) {
     note += (note.empty() ? "" : "; ") + InWords(open) + " not observed";
   }
@@ -48,13 +50,15 @@ void AddRegistration(const Json& r, HtmlTable* table) {
               GroupedOrDash(NumberAt(r, {"surfels"})), FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0),
               FixedOrDash(NumberAt(r, {"tilt_rms"}), 2, 1000.0),
               GroupedOrDash(NumberAt(r, {"redundancy"})), FixedOrDash(NumberAt(r, {"quality"}), 2),
-              FixedOrDash(NumberAt(r, {"seconds"}), 3), WeakestOf(r), NoteText(r)},
+              FixedOrDash(NumberAt(r, {"seconds"}), 3), WeakestOf(r)},
              FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
              ViewAttribute("registration", table->rows()));
+  table->Note(NoteText(r));
 }
 
 }  // namespace
 
+// Each with a second line where there is something to explain.
 std::string RegistrationsHtml(const ReportData& data) {
   HtmlTable table({{"target", "", false},
                    {"source", "", false},
@@ -68,8 +72,7 @@ std::string RegistrationsHtml(const ReportData& data) {
                    {"redundancy", ""},
                    {"quality", ""},
                    {"time", "s"},
-                   {"weakest direction", "", false},
-                   {"why not used, and what is open", "", false}});
+                   {"weakest direction", "", false}});
   for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
   return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
 }

@@ -70,6 +70,40 @@ TEST_F(HtmlReport, ShowsWhatARegistrationIsWorth) {
   EXPECT_THAT(page, HasSubstr("3.0\u00a0mm along (1.0,\u00a00.0,\u00a00.0)"));  // sqrt(9e-6) m
 }
 
+// At the end of a row it would stand off the screen.
+TEST_F(HtmlReport, WhyARegistrationIsNotUsedStandsBelowItsRow) {
+  const std::string page = ReportOf(SampleReport().dump());
+  EXPECT_THAT(page, HasSubstr("<tr class=\"more unused\"><td colspan=\"13\"><div>two poses explain "
+                              "the planes</div></td></tr>"));
+  const std::regex more("<tr class=\"more");  // of the two that are not used
+  EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), more), {}), 2);
+}
+
+TEST_F(HtmlReport, OpenDirectionsOfARegistrationAreSaidOnce) {
+  const auto count = [&](const nlohmann::json& report) {
+    const std::string page = ReportOf(report.dump());
+    const std::regex said("<div>[^<]*</div>"), along("translation along");
+    std::ptrdiff_t most = 0;
+    for (std::sregex_iterator it(page.begin(), page.end(), said), end; it != end; ++it) {
+      const std::string note = it->str();
+      most =
+          std::max(most, std::distance(std::sregex_iterator(note.begin(), note.end(), along), end));
+    }
+    return most;
+  };
+  nlohmann::json report = SampleReport();
+  auto& registration = report["registrations"][0];
+  registration["unobserved"] = {{{"direction", {1, 0, 0, 0, 0, 0}}}};
+  EXPECT_EQ(count(report), 1);  // beside no reason
+  registration["status"] = "degenerate";
+  EXPECT_EQ(count(report), 1);
+  registration["reason"] = "translation along (1.00, 0.00, 0.00) is not observed";
+  EXPECT_EQ(count(report), 1);
+  registration["status"] = "ambiguous";
+  registration["reason"] = "another pose explains nearly as much";
+  EXPECT_EQ(count(report), 1);
+}
+
 TEST_F(HtmlReport, NamesWhatIsSwitchedOff) {
   nlohmann::json report = SampleReport();
   EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr("Switched off")));
@@ -88,8 +122,8 @@ TEST_F(HtmlReport, NamesWhatIsSwitchedOff) {
   EXPECT_THAT(page, HasSubstr("Switched off"));
   EXPECT_THAT(page, HasSubstr("cart/&lt;7&gt;"));
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">41.2</td><td class=\"n\">6.2</td>"));
-  EXPECT_THAT(page, HasSubstr("ugv/000-ugv/001"));
-  EXPECT_THAT(page, HasSubstr("it contradicts 1 other registration"));
+  EXPECT_THAT(page, HasSubstr("<div>it contradicts 1 other registration; contradicts "
+                              "ugv/000-ugv/001</div>"));
 }
 
 TEST_F(HtmlReport, PlotsCostsAndErrors) {
