@@ -163,7 +163,7 @@ std::string PlanLegend(const ReportData& data, const Pictures& pictures, bool ha
   if (!pictures.photo.empty()) items += MapKey("photo-key", Escape("the drone's map from above"));
   if (!pictures.laser.empty()) {
     items += MapKey("upright", "upright, 0.3 to 1.8 m above the ground") +
-             MapKey("high", "higher alone") + MapKey("seen", "seen");
+             MapKey("high", "upright, above 1.8 m only") + MapKey("seen", "floor or ceiling seen");
   }
   if (factor > 0) {
     items += LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",

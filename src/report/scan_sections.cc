@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "report/html.h"
 #include "report/sections.h"
@@ -94,7 +95,33 @@ bool HasFixed(const ReportData& data) {
   return std::any_of(data.scans.begin(), data.scans.end(), IsFixed);
 }
 
-std::string WeakestText(const ReportScan& scan, bool has_fixed) {
+// The scans of which every used registration leaves directions open.
+std::set<std::string> OnlyDegenerate(const Json& json) {
+  std::set<std::string> degenerate, others;
+  for (const Json& r : ListAt(json, {"registrations"})) {
+    if (!FlagAt(r, {"used"}).value_or(false)) continue;
+    auto& names = TextAt(r, {"status"}) == "degenerate" ? degenerate : others;
+    names.insert({TextAt(r, {"target"}), TextAt(r, {"source"})});
+  }
+  std::erase_if(degenerate, [&](const std::string& name) { return others.count(name) > 0; });
+  return degenerate;
+}
+
+// What the rows of the table of scans have in common.
+struct ScanTable {
+  bool has_fixed = false;
+  std::set<std::string> only_degenerate;
+};
+
+// In the world's frame GPS has its share in every direction.
+std::string PlanesHold(const ReportScan& scan, const ScanTable& all) {
+  if (!all.has_fixed) return "";
+  return all.only_degenerate.count(scan.id) == 0
+             ? ", held by planes"
+             : ", held by the planes of all scans: those of its own registrations leave some open";
+}
+
+std::string WeakestText(const ReportScan& scan, const ScanTable& all) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
   if (IsFirstApart(scan)) return "first of component " + ComponentText(scan) + ": place unknown";
@@ -103,8 +130,7 @@ std::string WeakestText(const ReportScan& scan, bool has_fixed) {
   const Weakest weakest = WeakestAxis(*scan.covariance, 0);
   OpenDirection words;
   words.axis = weakest.axis;
-  // In the world's frame GPS has its share in every direction.
-  return InWords(words) + (has_fixed ? ", held by planes" : "");
+  return InWords(words) + PlanesHold(scan, all);
 }
 
 // Where no row says what holds its direction, the heading does not promise it.
@@ -132,6 +158,37 @@ std::string AnchorsText(const Json& scan) {
   return text.empty() ? kDash : text;
 }
 
+// What one registration between two scans knows of its weakest direction, in the middle of all that
+// are used; nothing where there are none.
+std::optional<double> SigmaBetweenScans(const Json& json) {
+  std::vector<double> sigmas;
+  for (const Json& r : ListAt(json, {"registrations"})) {
+    if (!FlagAt(r, {"used"}).value_or(false) || TextAt(r, {"status"}) != "ok") continue;
+    const auto covariance = CovarianceOf(r);
+    if (!covariance || TextAt(r, {"kind"}) != "laser-laser") continue;
+    sigmas.push_back(WeakestAxis(*covariance, 0).sigma);
+  }
+  if (sigmas.empty()) return std::nullopt;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return std::isfinite(*middle) ? std::optional(*middle) : std::nullopt;
+}
+
+// Half a metre beside each scan means the site's place on the earth, not the map's sharpness.
+std::string WorldNote(const ReportData& data, bool has_fixed) {
+  const bool by_gps = NumberAt(*data.json, {"origin", "lat"}).has_value();
+  const bool any = std::any_of(data.scans.begin(), data.scans.end(),
+                               [](const ReportScan& scan) { return scan.covariance.has_value(); });
+  if (has_fixed || !by_gps || !any) return "";
+  const auto sigma = SigmaBetweenScans(*data.json);
+  return "<p class=\"note\">In the world frame: how well GPS places the whole site is part of "
+         "sigma" +
+         (sigma ? "; among each other the scans stand to about " + Significant(1000.0 * *sigma, 2) +
+                      "\u00a0mm"
+                : "") +
+         ".</p>\n";
+}
+
 std::string SigmaNote(const ReportData& data, bool has_fixed) {
   const std::string frame = !has_fixed      ? "in the world frame"
                             : data.is_whole ? "relative to the fixed scan"
@@ -141,7 +198,8 @@ std::string SigmaNote(const ReportData& data, bool has_fixed) {
          frame + ".</p>\n";
 }
 
-void AddScan(const ReportData& data, const ReportScan& scan, bool has_fixed, HtmlTable* table) {
+void AddScan(const ReportData& data, const ReportScan& scan, const ScanTable& all,
+             HtmlTable* table) {
   const Json& json = *scan.json;
   std::vector<std::string> cells = {TextOrDash(scan.id),
                                     GroupedOrDash(NumberAt(json, {"points"})),
@@ -151,7 +209,7 @@ void AddScan(const ReportData& data, const ReportScan& scan, bool has_fixed, Htm
                                     SigmaText(scan, 0, 1000.0, 1),
                                     SigmaText(scan, 3, kDegrees, 3),
                                     SecondsText(json),
-                                    WeakestText(scan, has_fixed)};
+                                    WeakestText(scan, all)};
   if (!data.maps.empty()) cells.insert(cells.end() - 1, AnchorsText(json));
   if (!data.is_whole) cells.insert(cells.begin() + 1, ComponentText(scan));
   table->Row(cells, OpenDirections(json).empty() ? "" : "weak",
@@ -175,7 +233,7 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  const bool has_fixed = HasFixed(data);
+  const ScanTable all{HasFixed(data), OnlyDegenerate(*data.json)};
   std::vector<HtmlColumn> columns = {{"scan", "", false},
                                      {"points", ""},
                                      {"after filters", ""},
@@ -184,15 +242,16 @@ std::string ScansHtml(const ReportData& data) {
                                      {"sigma", "mm"},
                                      {"sigma", "deg"},
                                      {"time", "s"},
-                                     {WeakestHeading(data, has_fixed), "", false}};
+                                     {WeakestHeading(data, all.has_fixed), "", false}};
   if (!data.maps.empty()) columns.insert(columns.end() - 1, {"in the map", "", false});
   if (!data.is_whole) columns.insert(columns.begin() + 1, {"component", ""});
   HtmlTable table(std::move(columns));
-  for (const ReportScan& scan : data.scans) AddScan(data, scan, has_fixed, &table);
+  for (const ReportScan& scan : data.scans) AddScan(data, scan, all, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
-                 SigmaNote(data, has_fixed) +
-                     table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
+                 SigmaNote(data, all.has_fixed) +
+                     table.Html("Table of all " + std::to_string(table.rows()) + " scans") +
+                     WorldNote(data, all.has_fixed));
 }
 
 }  // namespace planegraph

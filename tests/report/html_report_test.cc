@@ -186,6 +186,35 @@ TEST_F(HtmlReport, SaysWhereADroneMapIsNotJoined) {
   EXPECT_THAT(page, HasSubstr("no place by GPS: a &lt;straight&gt; line; not in map.ply"));
 }
 
+// Half a metre of sigma beside a millimetre of error is the place of the whole, and said to be.
+TEST_F(HtmlReport, SaysWhatSigmasInTheWorldFrameHold) {
+  nlohmann::json report = SampleReport();
+  const char* const said = "how well GPS places the whole site";
+  EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr(said)));  // relative to a fixed scan
+  report["scans"][0]["covariance"] = report["scans"][1]["covariance"];
+  EXPECT_THAT(ReportOf(report.dump()),
+              HasSubstr(said + std::string(" is part of sigma; among each other the scans stand to "
+                                           "about 3.0\u00a0mm.")));  // the one that is used
+  report["registrations"][0]["used"] = false;
+  EXPECT_THAT(ReportOf(report.dump()), HasSubstr(said + std::string(" is part of sigma.")));
+  report["origin"] = nullptr;
+  EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr(said)));  // a start holds them
+}
+
+// What the planes of a registration leave open they do not hold.
+TEST_F(HtmlReport, SaysWhereOnlyAllPlanesTogetherHoldAScan) {
+  nlohmann::json report = SampleReport();
+  report["scans"][1]["unobserved"] = nlohmann::json::array();
+  const char* const said = "held by the planes of all scans: those of its own registrations";
+  const std::string held = ReportOf(report.dump());
+  EXPECT_THAT(held, HasSubstr("translation along (1.00, 0.00, 0.00), held by planes</td>"));
+  EXPECT_THAT(held, Not(HasSubstr(said)));
+  report["registrations"][0]["status"] = "degenerate";
+  const std::string page = ReportOf(report.dump());
+  EXPECT_THAT(page, HasSubstr(said));
+  EXPECT_THAT(page, Not(HasSubstr(", held by planes</td>")));
+}
+
 TEST_F(HtmlReport, WithoutDroneMapsNothingIsSaidOfThem) {
   nlohmann::json report = SampleReport();
   report["maps"] = nlohmann::json::array();
