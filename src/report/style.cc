@@ -59,7 +59,7 @@ tr.more td { border-top: 0; padding-top: 0; color: var(--quiet); white-space: no
 tr.more div { position: sticky; left: .55rem; max-width: min(75rem, calc(100vw - 3rem)); }
 thead th { vertical-align: bottom; font-weight: 600; line-height: 1.25; }
 th small { color: var(--quiet); font-weight: 400; }
-.n { text-align: right; white-space: nowrap; }
+.n { text-align: right; white-space: nowrap; } th.n { white-space: normal; }
 tr.weak td:first-child { box-shadow: inset 3px 0 var(--fair); }
 tr.unused td { color: var(--quiet); }
 .facts { width: auto; } .facts th { border-top: 1px solid var(--line); font-weight: 400; color: var(--quiet); }
@@ -143,7 +143,7 @@ button.show {
   h2 { break-after: avoid; } svg.plan { max-height: 13.5cm; break-inside: avoid; }
   .scroll { overflow: visible; } tr, .figures div { break-inside: avoid; }
   details::details-content { content-visibility: visible; display: block; }
-  table { font-size: 7.5pt; } th, td { padding: .2rem .3rem; } th.n { white-space: normal; }
+  table { font-size: 7.5pt; } th, td { padding: .2rem .3rem; }
   td:not(:last-child) { white-space: normal; } td:last-child:not(.n):not([colspan]) { min-width: 6rem; }
   tr.more div { max-width: none; } tr:has(+ .more) { break-after: avoid; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
