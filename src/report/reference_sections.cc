@@ -48,9 +48,9 @@ std::string ConsistencyHtml(const ReportData& data) {
                    {"degrees of freedom", ""},
                    {"NEES / degrees of freedom", ""},
                    {"95 % of honest ones", ""},
-                   {"within 50 %", "share"},
-                   {"within 90 %", "share"},
-                   {"within 95 %", "share"},
+                   {"within 50\u00a0%", "share"},
+                   {"within 90\u00a0%", "share"},
+                   {"within 95\u00a0%", "share"},
                    {"what", "", false}});
   AddPoses(Get(consistency, {"robots"}), &table);
   AddMaps(Get(consistency, {"maps"}), &table);

@@ -10,7 +10,7 @@ std::string Contradicted(const Json& off) {
   for (const Json& name : ListAt(off, {"contradicts"})) {
     if (name.is_string()) names += (names.empty() ? "" : ", ") + Escape(name.get<std::string>());
   }
-  return names.empty() ? "" : "contradicts " + names;
+  return names.empty() ? "" : "contradicted: " + names;
 }
 
 }  // namespace

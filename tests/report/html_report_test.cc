@@ -122,7 +122,7 @@ TEST_F(HtmlReport, NamesWhatIsSwitchedOff) {
   EXPECT_THAT(page, HasSubstr("Switched off"));
   EXPECT_THAT(page, HasSubstr("cart/&lt;7&gt;"));
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">41.2</td><td class=\"n\">6.2</td>"));
-  EXPECT_THAT(page, HasSubstr("<div>it contradicts 1 other registration; contradicts "
+  EXPECT_THAT(page, HasSubstr("<div>it contradicts 1 other registration; contradicted: "
                               "ugv/000-ugv/001</div>"));
 }
 
