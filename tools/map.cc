@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <map>
 #include <sstream>
 
 #include "planegraph/base/atomic_file.h"
@@ -12,6 +11,7 @@
 #include "planegraph/graph/factor_losses.h"
 #include "planegraph/pipeline/mapper.h"
 #include "planegraph/pipeline/outputs.h"
+#include "planegraph/report/apart.h"
 #include "planegraph/report/html_report.h"
 #include "tools/command.h"
 #include "tools/common_flags.h"
@@ -179,44 +179,12 @@ bool MapsJoined(const MapResult& result) {
   return joined;
 }
 
-// Scans that follow each other are one run: "cart/005 to 007, ugv/001".
-std::string RunsText(const MapResult& result, const std::vector<std::size_t>& scans) {
-  constexpr int kMostRuns = 3;
-  std::string text;
-  int runs = 0;
-  for (std::size_t k = 0; k < scans.size();) {
-    std::size_t end = k + 1;
-    while (end < scans.size() && scans[end] == scans[end - 1] + 1 &&
-           result.scans[scans[end]].robot == result.scans[scans[k]].robot) {
-      ++end;
-    }
-    if (runs++ == kMostRuns) return text + ", ...";
-    const std::string& last = result.scans[scans[end - 1]].id;
-    text += (text.empty() ? "" : ", ") + result.scans[scans[k]].id;
-    if (end > k + 1) text += " to " + last.substr(last.rfind('/') + 1);
-    k = end;
-  }
-  return text;
-}
-
-// Who stands apart: "cart/004 | cart/005 to 007". The scans of the largest
-// component are the map; the first few of the others are named.
 std::string ApartText(const MapResult& result) {
-  constexpr std::size_t kMostNamed = 5;
-  std::map<int, std::vector<std::size_t>> members;
-  for (std::size_t i = 0; i < result.scans.size(); ++i) members[result.component[i]].push_back(i);
-  int largest = 0;
-  for (const auto& [component, scans] : members) {
-    if (scans.size() > members[largest].size()) largest = component;
+  std::vector<ComponentScan> scans;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    scans.push_back({result.scans[i].id, result.component[i]});
   }
-  members.erase(largest);
-  std::string text;
-  std::size_t named = 0;
-  for (const auto& [component, scans] : members) {
-    if (named++ == kMostNamed) return text + " | ...";
-    text += (text.empty() ? "" : " | ") + RunsText(result, scans);
-  }
-  return text;
+  return ApartText(scans);
 }
 
 // All scans and maps in one component is what the map was asked for.
@@ -230,8 +198,7 @@ int ExitCode(const MapResult& result, const nlohmann::json& report) {
   if (joined && result.components <= 1 && Converged(result)) return 0;
   if (result.components > 1) {
     std::cerr << "error: the scans do not form one component but " << result.components << ": "
-              << ApartText(result) << " stand apart; " << FLAGS_output_dir
-              << "/report.html says why\n";
+              << ApartText(result) << "; " << FLAGS_output_dir << "/report.html says why\n";
   }
   if (!Converged(result)) {
     std::cerr << "error: the joint solve did not come to rest: its last step moved a scan by "

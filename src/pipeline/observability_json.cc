@@ -54,8 +54,19 @@ std::string PartsText(const OpenMotion& motion) {
   return Counted(motion.parts.size(), "part") + " of " + sizes + " scans";
 }
 
+// Scans that share no plane, for registrations may have been refused that found some.
+std::string NothingJoins(const OpenMotion& motion) {
+  const bool two = motion.parts.size() == 2 && motion.parts[0].size() > 1;
+  const std::size_t smaller = motion.parts.back().size();
+  if (!two) return "no registration joins " + PartsText(motion) + ": nothing holds them";
+  return "no registration joins " + Counted(smaller, "scan") + " to " +
+         Counted(motion.parts[0].size(), "other") +
+         (smaller > 1 ? ": nothing holds them" : ": nothing holds it");
+}
+
 std::string Sentence(const MapResult& result, const OpenMotion& motion) {
   if (motion.kind == MotionKind::kEverything) {
+    if (!std::isfinite(motion.sigma)) return NothingJoins(motion);
     return "no planes in common: " + PartsText(motion) + ", " + HoldText(motion);
   }
   if (motion.kind == MotionKind::kScale) {

@@ -132,7 +132,8 @@ std::string EdgeKey(const std::string& style, const std::string& text) {
   return LegendItem("<path class=\"edge " + style + "\" d=\"M1 7H27\"/>", text);
 }
 
-std::string GraphLegend(bool has_maps) {
+std::string GraphLegend(const ReportData& data) {
+  const bool has_maps = !data.maps.empty();
   const std::string map = LegendItem(
       "<rect class=\"drone\" x=\"9\" y=\"2\" width=\"10\" height=\"10\" "
       "transform=\"rotate(45 14 7)\"/>",
@@ -141,7 +142,7 @@ std::string GraphLegend(bool has_maps) {
          EdgeKey("e0",
                  has_maps ? "between scans, residual up to 5 mm" : "used, residual up to 5 mm") +
          EdgeKey("e1", "up to 10 mm") + EdgeKey("e2", "up to 20 mm") + EdgeKey("e3", "above") +
-         EdgeKey("unused", "tried and not used") + "</ul>\n";
+         EdgeKey("unused", "tried and not used") + ApartKey(data) + "</ul>\n";
 }
 
 // The scans alone, with some room around them.
@@ -186,8 +187,7 @@ std::string GraphHtml(const ReportData& data, const PlanFrame& plan) {
   if (unused.empty() && used.empty()) return "";
   return SvgOpen(frame, "The registrations of the scans") +
          SvgClip(frame, "graph-frame", MapUnder(plan, frame)) + SvgAxes(frame) + unused + used +
-         MarksSvg(data, frame) + MapNodesSvg(nodes, frame) + SvgClose() +
-         GraphLegend(!data.maps.empty());
+         MarksSvg(data, frame) + MapNodesSvg(nodes, frame) + SvgClose() + GraphLegend(data);
 }
 
 }  // namespace planegraph

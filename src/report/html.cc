@@ -91,14 +91,21 @@ std::string TextOrDash(std::string_view text) { return text.empty() ? kDash : Es
 void HtmlTable::Row(const std::vector<std::string>& cells, std::string_view row_class,
                     std::string_view attributes) {
   ++rows_;
+  row_class_ = row_class;
   body_ += "<tr";
-  if (!row_class.empty()) body_ += " class=\"" + std::string(row_class) + "\"";
+  if (!row_class.empty()) body_ += " class=\"" + row_class_ + "\"";
   body_ += std::string(attributes) + ">";
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     body_ += columns_[i].numeric ? "<td class=\"n\">" : "<td>";
     body_ += (i < cells.size() && !cells[i].empty() ? cells[i] : kDash) + std::string("</td>");
   }
   body_ += "</tr>\n";
+}
+
+void HtmlTable::Note(const std::string& note) {
+  if (note.empty()) return;
+  body_ += "<tr class=\"more" + (row_class_.empty() ? "" : " " + row_class_) + "\"><td colspan=\"" +
+           std::to_string(columns_.size()) + "\"><div>" + note + "</div></td></tr>\n";
 }
 
 std::string HtmlTable::Head() const {
@@ -118,6 +125,10 @@ std::string HtmlTable::Html(const std::string& summary, std::size_t most_open) c
       "<div class=\"scroll\"><table>" + Head() + "<tbody>\n" + body_ + "</tbody></table></div>\n";
   if (rows_ <= most_open) return table;
   return "<details><summary>" + Escape(summary) + "</summary>\n" + table + "</details>\n";
+}
+
+std::string ViewAttribute(const char* kind, std::size_t index) {
+  return std::string(" data-") + kind + "=\"" + std::to_string(index) + "\"";
 }
 
 std::string Section(const std::string& title, const std::string& content) {

@@ -41,6 +41,8 @@ class HtmlTable {
   /// `attributes`: further ones of the row, with a blank before each.
   void Row(const std::vector<std::string>& cells, std::string_view row_class = "",
            std::string_view attributes = "");
+  /// A second line of the last row, over its whole width; HTML, nothing where it is empty.
+  void Note(const std::string& note);
   std::size_t rows() const { return rows_; }
   /// The table; folded up behind `summary` where it has more rows than `most_open`.
   std::string Html(const std::string& summary, std::size_t most_open = 16) const;
@@ -49,9 +51,12 @@ class HtmlTable {
   std::string Head() const;
 
   std::vector<HtmlColumn> columns_;
-  std::string body_;
+  std::string body_, row_class_;
   std::size_t rows_ = 0;
 };
+
+/// What the 3-D view is asked for by a row: the `index`-th scan or registration, by `kind`.
+std::string ViewAttribute(const char* kind, std::size_t index);
 
 /// A section with its heading; empty where there is no content.
 std::string Section(const std::string& title, const std::string& content);

@@ -12,9 +12,10 @@ constexpr std::size_t kMostNumbers = 60;  ///< of scans that a picture shows
 
 std::string ScanMark(const ReportScan& scan, std::size_t index, const PlanFrame& frame) {
   const Eigen::Vector2d at = frame.Place(*scan.position);
-  return "<circle class=\"scan " + RobotClass(scan.robot_index) + "\" data-scan=\"" +
-         std::to_string(index) + "\"" + SvgNumber("cx", at.x()) + SvgNumber("cy", at.y()) +
-         " r=\"4.5\"><title>" + Escape(scan.id) + "</title></circle>\n";
+  return "<circle class=\"scan " + RobotClass(scan.robot_index) +
+         (scan.stands_apart ? " apart" : "") + "\" data-scan=\"" + std::to_string(index) + "\"" +
+         SvgNumber("cx", at.x()) + SvgNumber("cy", at.y()) + " r=\"4.5\"><title>" +
+         Escape(scan.id) + "</title></circle>\n";
 }
 
 // Numbers without leading zeros: they say the same in less room.
@@ -48,11 +49,19 @@ std::string ScanNumbers(const ReportData& data, const PlanFrame& frame) {
 std::string RobotClass(std::size_t robot) { return "r" + std::to_string(robot % 6); }
 
 std::string MarksSvg(const ReportData& data, const PlanFrame& frame) {
-  std::string svg;
+  std::string map, apart;
   for (std::size_t i = 0; i < data.scans.size(); ++i) {
-    if (data.scans[i].position) svg += ScanMark(data.scans[i], i, frame);
+    const ReportScan& scan = data.scans[i];
+    if (scan.position) (scan.stands_apart ? apart : map) += ScanMark(scan, i, frame);
   }
-  return svg + ScanNumbers(data, frame);
+  return apart + map + ScanNumbers(data, frame);
+}
+
+std::string ApartKey(const ReportData& data) {
+  if (data.is_whole) return "";
+  return LegendItem("<circle class=\"scan apart r0\" cx=\"14\" cy=\"7\" r=\"4.5\"/>",
+                    std::string("scans that stand apart") +
+                        (ApartPlacedByNothing(data) ? ": their place means nothing" : ""));
 }
 
 std::string LegendItem(const std::string& swatch, const std::string& text) {

@@ -76,16 +76,33 @@ std::string OpenDirectionsSvg(const ReportScan& scan, const PlanFrame& frame) {
 
 // ---- scans ----
 
+// Scans of a robot, one after another.
+using Way = std::vector<const ReportScan*>;
+
+// A robot's way, cut where the component changes: between components no step is known.
+std::vector<Way> WaysOf(const ReportData& data, std::size_t robot) {
+  std::vector<Way> ways;
+  for (const ReportScan& scan : data.scans) {
+    if (scan.robot_index != robot || !scan.position) continue;
+    if (ways.empty() || ways.back().back()->component != scan.component) ways.emplace_back();
+    ways.back().push_back(&scan);
+  }
+  return ways;
+}
+
+std::string WaySvg(const Way& way, const PlanFrame& frame) {
+  if (way.size() < 2) return "";
+  std::vector<Eigen::Vector2d> places;
+  for (const ReportScan* scan : way) places.push_back(frame.Place(*scan->position));
+  const std::string apart = way[0]->stands_apart ? " apart" : "";
+  return SvgPolyline(places, " class=\"halo\"") +
+         SvgPolyline(places, " class=\"way " + RobotClass(way[0]->robot_index) + apart + "\"");
+}
+
 std::string WaysSvg(const ReportData& data, const PlanFrame& frame) {
   std::string svg;
   for (std::size_t robot = 0; robot < data.robots.size(); ++robot) {
-    std::vector<Eigen::Vector2d> way;
-    for (const ReportScan& scan : data.scans) {
-      if (scan.robot_index == robot && scan.position) way.push_back(frame.Place(*scan.position));
-    }
-    if (way.size() < 2) continue;
-    svg += SvgPolyline(way, " class=\"halo\"");
-    svg += SvgPolyline(way, " class=\"way " + RobotClass(robot) + "\"");
+    for (const Way& way : WaysOf(data, robot)) svg += WaySvg(way, frame);
   }
   return svg;
 }
@@ -142,10 +159,11 @@ std::string PlanLegend(const ReportData& data, const Pictures& pictures, bool ha
                             style + "\" cx=\"14\" cy=\"7\" r=\"4.5\"/>",
                         "scans of " + TextOrDash(data.robots[robot]) + " and their numbers");
   }
+  items += ApartKey(data);
   if (!pictures.photo.empty()) items += MapKey("photo-key", Escape("the drone's map from above"));
   if (!pictures.laser.empty()) {
     items += MapKey("upright", "upright, 0.3 to 1.8 m above the ground") +
-             MapKey("high", "higher alone") + MapKey("seen", "seen");
+             MapKey("high", "upright, above 1.8 m only") + MapKey("seen", "floor or ceiling seen");
   }
   if (factor > 0) {
     items += LegendItem("<ellipse class=\"sigma r0\" cx=\"14\" cy=\"7\" rx=\"12\" ry=\"5\"/>",

@@ -5,7 +5,7 @@ namespace planegraph {
 namespace {
 
 std::string Share(const Json& coverage, const char* level) {
-  return FixedOrDash(NumberAt(coverage, {level}), 0, 100.0);
+  return FixedOrDash(NumberAt(coverage, {level}), 2);
 }
 
 std::string BandText(const Json& part) {
@@ -46,11 +46,11 @@ std::string ConsistencyHtml(const ReportData& data) {
   HtmlTable table({{"robot", "", false},
                    {"errors", ""},
                    {"degrees of freedom", ""},
-                   {"NEES by degrees", ""},
+                   {"NEES / degrees of freedom", ""},
                    {"95 % of honest ones", ""},
-                   {"within 50 %", "%"},
-                   {"within 90 %", "%"},
-                   {"within 95 %", "%"},
+                   {"within 50\u00a0%", "share"},
+                   {"within 90\u00a0%", "share"},
+                   {"within 95\u00a0%", "share"},
                    {"what", "", false}});
   AddPoses(Get(consistency, {"robots"}), &table);
   AddMaps(Get(consistency, {"maps"}), &table);

@@ -36,6 +36,20 @@ void SplitId(ReportScan* scan) {
   scan->number = scan->id.substr(slash + 1);
 }
 
+std::optional<int> ComponentOf(const Json& scan) {
+  const auto number = NumberAt(scan, {"component"});
+  if (!number || !(*number >= 0.0 && *number < 1e9)) return std::nullopt;
+  return static_cast<int>(*number);
+}
+
+void FindApart(ReportData* data) {
+  const int main = MainComponent(ComponentScans(*data));
+  for (ReportScan& scan : data->scans) {
+    scan.stands_apart = scan.component && *scan.component != main;
+    data->is_whole &= !scan.stands_apart;
+  }
+}
+
 std::string AxisText(const Eigen::Vector3d& axis) {
   return "(" + Fixed(axis.x(), 2) + ", " + Fixed(axis.y(), 2) + ", " + Fixed(axis.z(), 2) + ")";
 }
@@ -73,6 +87,22 @@ std::vector<Eigen::Vector3d> ReportData::Positions() const {
   return positions;
 }
 
+bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
+
+bool ApartPlacedByNothing(const ReportData& data) {
+  return std::any_of(data.scans.begin(), data.scans.end(), [](const ReportScan& scan) {
+    return scan.stands_apart && (!scan.covariance || IsFixed(scan));
+  });
+}
+
+std::vector<ComponentScan> ComponentScans(const ReportData& data) {
+  std::vector<ComponentScan> scans;
+  for (const ReportScan& scan : data.scans) {
+    if (scan.component) scans.push_back({scan.id, *scan.component});
+  }
+  return scans;
+}
+
 std::vector<std::string> AnchorsOf(const Json& scan) {
   std::vector<std::string> names;
   for (const Json& name : ListAt(scan, {"anchored_to"})) {
@@ -92,8 +122,10 @@ ReportData ReadReportData(const Json& json) {
     scan.robot_index = IndexOf(scan.robot, &data.robots);
     scan.position = PositionOf(entry);
     scan.covariance = CovarianceOf(entry);
+    scan.component = ComponentOf(entry);
     data.scans.push_back(std::move(scan));
   }
+  FindApart(&data);
   for (const Json& entry : ListAt(json, {"maps"})) {
     ReportMap map{TextAt(entry, {"id"}), 0, &entry};
     for (const ReportScan& scan : data.scans) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planegraph/geometry/rigid3.h"
+#include "planegraph/report/apart.h"
 #include "report/json_access.h"
 
 namespace planegraph {
@@ -18,6 +19,8 @@ struct ReportScan {
   std::size_t robot_index = 0;  ///< of the robot, in the order of first scans
   std::optional<Eigen::Vector3d> position;
   std::optional<Matrix6> covariance;  ///< NaN where infinite
+  std::optional<int> component;
+  bool stands_apart = false;  ///< in another component than most scans
   const Json* json = nullptr;
 };
 
@@ -45,11 +48,22 @@ struct ReportData {
   std::vector<ReportScan> scans;
   std::vector<ReportMap> maps;
   std::vector<std::string> robots;
+  bool is_whole = true;  ///< no scan stands apart
 
   /// The scan of that id, or null.
   const ReportScan* Find(const std::string& id) const;
   std::vector<Eigen::Vector3d> Positions() const;
 };
+
+/// Whether the others of its component are relative to it: it has no uncertainty.
+bool IsFixed(const ReportScan& scan);
+
+/// Whether nothing but the registrations that are missing would place scans that stand apart. A
+/// component that GPS or a start holds has a place: none of its scans is fixed.
+bool ApartPlacedByNothing(const ReportData& data);
+
+/// The scans whose component is known.
+std::vector<ComponentScan> ComponentScans(const ReportData& data);
 
 /// The maps that a scan is anchored to.
 std::vector<std::string> AnchorsOf(const Json& scan);

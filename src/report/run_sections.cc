@@ -226,7 +226,7 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("converged", !converged ? kDash : *converged ? "yes" : "no");
   facts.Add("plane landmarks", GroupedOrDash(NumberAt(solve, {"landmarks"})));
   facts.Add("redundancy", GroupedOrDash(NumberAt(solve, {"redundancy"})));
-  facts.Add("observations of them", GroupedOrDash(NumberAt(solve, {"observations"})));
+  facts.Add("observations of landmarks", GroupedOrDash(NumberAt(solve, {"observations"})));
   const auto offset = NumberAt(solve, {"floor_offset"}), tilt = NumberAt(solve, {"floor_tilt"});
   if (offset) facts.Add("noise floor, offset", Fixed(*offset * 1000.0, 2) + " mm");
   if (tilt) facts.Add("noise floor, tilt", Fixed(*tilt * kDegrees, 4) + "°");

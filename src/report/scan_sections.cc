@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "report/html.h"
 #include "report/sections.h"
@@ -76,28 +77,60 @@ std::string PositionText(const ReportScan& scan) {
   return Fixed(p.x(), 2) + ", " + Fixed(p.y(), 2) + ", " + Fixed(p.z(), 2);
 }
 
-std::string SigmaText(const ReportScan& scan, int first, double factor, int decimals) {
-  if (!scan.covariance) return kDash;
-  return Fixed(WeakestAxis(*scan.covariance, first).sigma * factor, decimals);
+// Nothing is known of its place; the others of its component are relative to it.
+bool IsFirstApart(const ReportScan& scan) { return scan.stands_apart && IsFixed(scan); }
+
+// Numbers of components begin with 1 for readers.
+std::string ComponentText(const ReportScan& scan) {
+  return scan.component ? std::to_string(*scan.component + 1) : kDash;
 }
 
-bool IsFixed(const ReportScan& scan) { return scan.covariance && scan.covariance->isZero(0.0); }
+std::string SigmaText(const ReportScan& scan, int first, double factor, int decimals) {
+  if (!scan.covariance || IsFirstApart(scan)) return kDash;
+  return Fixed(WeakestAxis(*scan.covariance, first).sigma * factor, decimals);
+}
 
 // Covariances are relative to a fixed scan; where GPS holds all scans, there is none.
 bool HasFixed(const ReportData& data) {
   return std::any_of(data.scans.begin(), data.scans.end(), IsFixed);
 }
 
-std::string WeakestText(const ReportScan& scan, bool has_fixed) {
+// The scans of which every used registration leaves directions open.
+std::set<std::string> OnlyDegenerate(const Json& json) {
+  std::set<std::string> degenerate, others;
+  for (const Json& r : ListAt(json, {"registrations"})) {
+    if (!FlagAt(r, {"used"}).value_or(false)) continue;
+    auto& names = TextAt(r, {"status"}) == "degenerate" ? degenerate : others;
+    names.insert({TextAt(r, {"target"}), TextAt(r, {"source"})});
+  }
+  std::erase_if(degenerate, [&](const std::string& name) { return others.count(name) > 0; });
+  return degenerate;
+}
+
+// What the rows of the table of scans have in common.
+struct ScanTable {
+  bool has_fixed = false;
+  std::set<std::string> only_degenerate;
+};
+
+// In the world's frame GPS has its share in every direction.
+std::string PlanesHold(const ReportScan& scan, const ScanTable& all) {
+  if (!all.has_fixed) return "";
+  return all.only_degenerate.count(scan.id) == 0
+             ? ", held by planes"
+             : ", held by the planes of all scans: those of its own registrations leave some open";
+}
+
+std::string WeakestText(const ReportScan& scan, const ScanTable& all) {
   const auto open = OpenDirections(*scan.json);
   if (!open.empty()) return InWords(open.front()) + ", " + HoldInWords(open.front());
+  if (IsFirstApart(scan)) return "first of component " + ComponentText(scan) + ": place unknown";
   if (IsFixed(scan)) return "fixed: the world's frame";
   if (!scan.covariance) return kDash;
   const Weakest weakest = WeakestAxis(*scan.covariance, 0);
   OpenDirection words;
   words.axis = weakest.axis;
-  // In the world's frame GPS has its share in every direction.
-  return InWords(words) + (has_fixed ? ", held by planes" : "");
+  return InWords(words) + PlanesHold(scan, all);
 }
 
 // Where no row says what holds its direction, the heading does not promise it.
@@ -125,12 +158,48 @@ std::string AnchorsText(const Json& scan) {
   return text.empty() ? kDash : text;
 }
 
-// What the 3-D view is asked for by this row.
-std::string ViewAttribute(const char* kind, std::size_t index) {
-  return std::string(" data-") + kind + "=\"" + std::to_string(index) + "\"";
+// What one registration between two scans knows of its weakest direction, in the middle of all that
+// are used; nothing where there are none.
+std::optional<double> SigmaBetweenScans(const Json& json) {
+  std::vector<double> sigmas;
+  for (const Json& r : ListAt(json, {"registrations"})) {
+    if (!FlagAt(r, {"used"}).value_or(false) || TextAt(r, {"status"}) != "ok") continue;
+    const auto covariance = CovarianceOf(r);
+    if (!covariance || TextAt(r, {"kind"}) != "laser-laser") continue;
+    sigmas.push_back(WeakestAxis(*covariance, 0).sigma);
+  }
+  if (sigmas.empty()) return std::nullopt;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return std::isfinite(*middle) ? std::optional(*middle) : std::nullopt;
 }
 
-void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* table) {
+// Half a metre beside each scan means the site's place on the earth, not the map's sharpness.
+std::string WorldNote(const ReportData& data, bool has_fixed) {
+  const bool by_gps = NumberAt(*data.json, {"origin", "lat"}).has_value();
+  const bool any = std::any_of(data.scans.begin(), data.scans.end(),
+                               [](const ReportScan& scan) { return scan.covariance.has_value(); });
+  if (has_fixed || !by_gps || !any) return "";
+  const auto sigma = SigmaBetweenScans(*data.json);
+  return "<p class=\"note\">In the world frame: how well GPS places the whole site is part of "
+         "sigma" +
+         (sigma ? "; among each other the scans stand to about " + Significant(1000.0 * *sigma, 2) +
+                      "\u00a0mm"
+                : "") +
+         ".</p>\n";
+}
+
+std::string SigmaNote(const ReportData& data, bool has_fixed) {
+  const std::string frame = !has_fixed      ? "in the world frame"
+                            : data.is_whole ? "relative to the fixed scan"
+                                            : "relative to the first scan of its component";
+  return "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
+         "rotation about its weakest axis, " +
+         frame + ".</p>\n";
+}
+
+void AddScan(const ReportData& data, const ReportScan& scan, const ScanTable& all,
+             HtmlTable* table) {
   const Json& json = *scan.json;
   std::vector<std::string> cells = {TextOrDash(scan.id),
                                     GroupedOrDash(NumberAt(json, {"points"})),
@@ -140,61 +209,11 @@ void AddScan(const ReportScan& scan, bool has_maps, bool has_fixed, HtmlTable* t
                                     SigmaText(scan, 0, 1000.0, 1),
                                     SigmaText(scan, 3, kDegrees, 3),
                                     SecondsText(json),
-                                    WeakestText(scan, has_fixed)};
-  if (has_maps) cells.insert(cells.end() - 1, AnchorsText(json));
+                                    WeakestText(scan, all)};
+  if (!data.maps.empty()) cells.insert(cells.end() - 1, AnchorsText(json));
+  if (!data.is_whole) cells.insert(cells.begin() + 1, ComponentText(scan));
   table->Row(cells, OpenDirections(json).empty() ? "" : "weak",
              ViewAttribute("scan", table->rows()));
-}
-
-// ---- registrations ----
-
-std::string CorrespondencesText(const Json& r) {
-  const Json& value = Get(r, {"correspondences"});
-  if (value.is_array()) return Grouped(static_cast<double>(value.size()));
-  return GroupedOrDash(NumberAt(r, {"correspondences"}));
-}
-
-// The direction that a registration knows least of, with its standard deviation.
-std::string WeakestOf(const Json& r) {
-  constexpr double kUnknown = 100.0;  // metres: beyond, nothing but the solver's damping holds it
-  const auto covariance = CovarianceOf(r);
-  if (!covariance) return kDash;
-  const Weakest weakest = WeakestAxis(*covariance, 0);
-  std::string axis;  // in one piece, wherever the line breaks
-  for (int k = 0; k < 3; ++k) axis += (k > 0 ? ",\u00a0" : "") + Fixed(weakest.axis[k], 1);
-  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + "\u00a0mm" : "open") +
-         " along (" + axis + ")";
-}
-
-std::string NoteText(const Json& r) {
-  std::string note = Escape(TextAt(r, {"reason"}));
-  for (const OpenDirection& open : OpenDirections(r)) {
-    note += (note.empty() ? "" : "; ") + InWords(open) + " not observed";
-  }
-  return note;
-}
-
-std::string StatusText(const std::string& status) {
-  if (status.empty()) return kDash;
-  return "<span class=\"status " + std::string(status == "ok" ? "good" : "fair") + "\">" +
-         Escape(status) + "</span>";
-}
-
-std::string UsedText(const std::optional<bool>& used) {
-  if (!used) return kDash;
-  return *used ? "yes" : "no";
-}
-
-void AddRegistration(const Json& r, HtmlTable* table) {
-  table->Row({TextOrDash(TextAt(r, {"target"})), TextOrDash(TextAt(r, {"source"})),
-              TextOrDash(TextAt(r, {"kind"})), StatusText(TextAt(r, {"status"})),
-              UsedText(FlagAt(r, {"used"})), CorrespondencesText(r),
-              GroupedOrDash(NumberAt(r, {"surfels"})), FixedOrDash(NumberAt(r, {"rms"}), 1, 1000.0),
-              FixedOrDash(NumberAt(r, {"tilt_rms"}), 2, 1000.0),
-              GroupedOrDash(NumberAt(r, {"redundancy"})), FixedOrDash(NumberAt(r, {"quality"}), 2),
-              FixedOrDash(NumberAt(r, {"seconds"}), 3), WeakestOf(r), NoteText(r)},
-             FlagAt(r, {"used"}).value_or(true) ? "" : "unused",
-             ViewAttribute("registration", table->rows()));
 }
 
 }  // namespace
@@ -214,7 +233,7 @@ std::string OpenDirectionsHtml(const ReportData& data) {
 }
 
 std::string ScansHtml(const ReportData& data) {
-  const bool has_maps = !data.maps.empty(), has_fixed = HasFixed(data);
+  const ScanTable all{HasFixed(data), OnlyDegenerate(*data.json)};
   std::vector<HtmlColumn> columns = {{"scan", "", false},
                                      {"points", ""},
                                      {"after filters", ""},
@@ -223,36 +242,16 @@ std::string ScansHtml(const ReportData& data) {
                                      {"sigma", "mm"},
                                      {"sigma", "deg"},
                                      {"time", "s"},
-                                     {WeakestHeading(data, has_fixed), "", false}};
-  if (has_maps) columns.insert(columns.end() - 1, {"in the map", "", false});
+                                     {WeakestHeading(data, all.has_fixed), "", false}};
+  if (!data.maps.empty()) columns.insert(columns.end() - 1, {"in the map", "", false});
+  if (!data.is_whole) columns.insert(columns.begin() + 1, {"component", ""});
   HtmlTable table(std::move(columns));
-  for (const ReportScan& scan : data.scans) AddScan(scan, has_maps, has_fixed, &table);
+  for (const ReportScan& scan : data.scans) AddScan(data, scan, all, &table);
   if (table.rows() == 0) return "";
   return Section("Scans",
-                 "<p class=\"note\">Sigma: of the position along its weakest direction, and of the "
-                 "rotation about its weakest axis, " +
-                     std::string(has_fixed ? "relative to the fixed scan" : "in the world frame") +
-                     ".</p>\n" +
-                     table.Html("Table of all " + std::to_string(table.rows()) + " scans"));
-}
-
-std::string RegistrationsHtml(const ReportData& data) {
-  HtmlTable table({{"target", "", false},
-                   {"source", "", false},
-                   {"kind", "", false},
-                   {"status", "", false},
-                   {"used", "", false},
-                   {"pairs of planes", ""},
-                   {"of patches", ""},
-                   {"residual", "mm"},
-                   {"tilt", "mrad"},
-                   {"redundancy", ""},
-                   {"quality", ""},
-                   {"time", "s"},
-                   {"weakest direction", "", false},
-                   {"why not used, and what is open", "", false}});
-  for (const Json& r : ListAt(*data.json, {"registrations"})) AddRegistration(r, &table);
-  return table.Html("Table of all " + std::to_string(table.rows()) + " registrations");
+                 SigmaNote(data, all.has_fixed) +
+                     table.Html("Table of all " + std::to_string(table.rows()) + " scans") +
+                     WorldNote(data, all.has_fixed));
 }
 
 }  // namespace planegraph

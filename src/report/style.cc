@@ -54,10 +54,12 @@ table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabu
 th, td { padding: .3rem .55rem; text-align: left; vertical-align: top; }
 td { border-top: 1px solid var(--line); }
 td:not(:last-child) { white-space: nowrap; }
-td:last-child:not(.n) { min-width: 13rem; }
+td:last-child:not(.n):not([colspan]) { min-width: 13rem; }
+tr.more td { border-top: 0; padding-top: 0; color: var(--quiet); white-space: normal; overflow-wrap: anywhere; }
+tr.more div { position: sticky; left: .55rem; max-width: min(75rem, calc(100vw - 3rem)); }
 thead th { vertical-align: bottom; font-weight: 600; line-height: 1.25; }
 th small { color: var(--quiet); font-weight: 400; }
-.n { text-align: right; white-space: nowrap; }
+.n { text-align: right; white-space: nowrap; } th.n { white-space: normal; }
 tr.weak td:first-child { box-shadow: inset 3px 0 var(--fair); }
 tr.unused td { color: var(--quiet); }
 .facts { width: auto; } .facts th { border-top: 1px solid var(--line); font-weight: 400; color: var(--quiet); }
@@ -74,7 +76,7 @@ ul.legend {
 }
 ul.legend li { display: flex; align-items: center; gap: .4rem; }
 svg.key { width: 28px; height: 14px; flex: none; }
-svg.plan { display: block; width: 100%; max-width: calc(var(--w) * 1px); min-width: calc(var(--w) * .55px); height: auto; font-size: 12.5px; }
+svg.plan { display: block; width: 100%; max-width: calc(var(--w) * 1px); height: auto; font-size: 12.5px; }
 svg.plot { display: block; width: 100%; max-width: 640px; min-width: 20rem; height: auto; font-size: 12.5px; }
 svg.bar { display: block; width: 100%; height: 1.6rem; border-radius: 4px; }
 .grid { stroke: var(--grid); } .border { fill: none; stroke: var(--line); }
@@ -87,6 +89,8 @@ svg.bar { display: block; width: 100%; height: 1.6rem; border-radius: 4px; }
 path.bar { fill: none; stroke: var(--text); stroke-width: 1.6; }
 .way { fill: none; stroke: var(--robot); stroke-width: 1.8; stroke-linejoin: round; }
 .scan { fill: var(--robot); stroke: var(--halo); stroke-width: 1.4; }
+.scan.apart { fill: var(--page); stroke: var(--robot); }
+.way.apart { stroke-dasharray: 2 4; opacity: .7; }
 .sigma { fill: var(--robot); fill-opacity: .2; stroke: var(--robot); stroke-width: 1; }
 .open { stroke: #d1242f; stroke-width: 2; stroke-dasharray: 6 4; }
 .photo { opacity: .55; } .photo-key { fill: #8f9a76; opacity: .7; }
@@ -120,7 +124,10 @@ button.show {
 @media (max-width: 40rem) {
   .picture { height: 65vh; }
   body { padding: .7rem; } h1 { font-size: 1.45rem; }
-  .figures { grid-template-columns: repeat(2, 1fr); } svg.plan { font-size: 19px; }
+  .figures { grid-template-columns: repeat(2, 1fr); }
+  /* The whole plan on a small screen: its marks and texts shrink with it. */
+  svg.plan { font-size: 19px; } svg.plan .label { font-size: 24px; } svg.plan .scan { r: 8px; }
+  svg.plan .way, svg.plan .edge { vector-effect: non-scaling-stroke; }
 }
 @media print {
   :root {
@@ -133,11 +140,12 @@ button.show {
   button.show { color: inherit; text-decoration: none; }
   .map { filter: none; } .r0 { --robot: #0b6bcb; } .r1 { --robot: #d06a00; }
   body { max-width: none; padding: 0; font-size: 10pt; }
-  h2 { break-after: avoid; } svg.plan { min-width: 0; max-height: 13.5cm; break-inside: avoid; }
+  h2 { break-after: avoid; } svg.plan { max-height: 13.5cm; break-inside: avoid; }
   .scroll { overflow: visible; } tr, .figures div { break-inside: avoid; }
   details::details-content { content-visibility: visible; display: block; }
-  table { font-size: 7.5pt; } th, td { padding: .2rem .3rem; } th.n { white-space: normal; }
-  td:not(:last-child) { white-space: normal; } td:last-child:not(.n) { min-width: 6rem; }
+  table { font-size: 7.5pt; } th, td { padding: .2rem .3rem; }
+  td:not(:last-child) { white-space: normal; } td:last-child:not(.n):not([colspan]) { min-width: 6rem; }
+  tr.more div { max-width: none; } tr:has(+ .more) { break-after: avoid; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";

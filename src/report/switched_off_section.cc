@@ -4,12 +4,13 @@
 namespace planegraph {
 namespace {
 
+// What it does not agree with; names may be many.
 std::string Contradicted(const Json& off) {
   std::string names;
   for (const Json& name : ListAt(off, {"contradicts"})) {
     if (name.is_string()) names += (names.empty() ? "" : ", ") + Escape(name.get<std::string>());
   }
-  return names.empty() ? kDash : names;
+  return names.empty() ? "" : "contradicted: " + names;
 }
 
 }  // namespace
@@ -21,15 +22,14 @@ std::string SwitchedOffHtml(const ReportData& data) {
                    {"by", "", false},
                    {"weight", ""},
                    {"off by", "sigmas"},
-                   {"of at most", "sigmas"},
-                   {"contradicts", "", false},
-                   {"why", "", false}});
+                   {"of at most", "sigmas"}});
   for (const Json& off : ListAt(*data.json, {"switched_off"})) {
     table.Row({TextOrDash(TextAt(off, {"target"})), TextOrDash(TextAt(off, {"source"})),
                TextOrDash(TextAt(off, {"kind"})), TextOrDash(TextAt(off, {"by"})),
                FixedOrDash(NumberAt(off, {"weight"}), 3), FixedOrDash(NumberAt(off, {"sigmas"}), 1),
-               FixedOrDash(NumberAt(off, {"threshold_sigmas"}), 1), Contradicted(off),
-               Escape(TextAt(off, {"reason"}))});
+               FixedOrDash(NumberAt(off, {"threshold_sigmas"}), 1)});
+    const std::string reason = Escape(TextAt(off, {"reason"})), others = Contradicted(off);
+    table.Note(reason + (reason.empty() || others.empty() ? "" : "; ") + others);
   }
   if (table.rows() == 0) return "";
   return Section(

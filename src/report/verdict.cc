@@ -28,12 +28,9 @@ std::size_t UsedRegistrations(const Json& json) {
 }
 
 // Scans of each component, by the component's number.
-std::map<double, std::size_t> ComponentSizes(const ReportData& data) {
-  std::map<double, std::size_t> sizes;
-  for (const ReportScan& scan : data.scans) {
-    const auto component = NumberAt(*scan.json, {"component"});
-    if (component) ++sizes[*component];
-  }
+std::map<int, std::size_t> ComponentSizes(const ReportData& data) {
+  std::map<int, std::size_t> sizes;
+  for (const ComponentScan& scan : ComponentScans(data)) ++sizes[scan.component];
   return sizes;
 }
 
@@ -53,6 +50,14 @@ std::string SizesText(const ReportData& data) {
   return text.empty() ? "" : " (of " + text + " scans)";
 }
 
+// "; cart/010 | cart/013 to 015 stand apart", after what it is that they are not in.
+std::string WhoStandsApart(const ReportData& data) {
+  const std::string who = ApartText(ComponentScans(data));
+  if (who.empty()) return "";
+  return ": " + Escape(who) +
+         (ApartPlacedByNothing(data) ? "; their place in plan and map means nothing" : "");
+}
+
 Verdict JoinedVerdict(const ReportData& data) {
   const std::size_t scans = data.scans.size();
   const std::size_t used = UsedRegistrations(*data.json);
@@ -67,7 +72,7 @@ Verdict JoinedVerdict(const ReportData& data) {
                 " one component by " + Count(used, "registration")};
   }
   return {Level::kBad, "The " + Count(scans, "scan") + " do not form one component but " +
-                           std::to_string(*components) + SizesText(data)};
+                           std::to_string(*components) + SizesText(data) + WhoStandsApart(data)};
 }
 
 // "4 of them are anchored to the drone map uav1, whose scale is 8.507 m per unit ± 0.20 %".

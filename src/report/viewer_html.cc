@@ -30,6 +30,7 @@ Json ScansJson(const ReportData& data) {
   for (const ReportScan& scan : data.scans) {
     list.push_back({{"id", scan.id},
                     {"robot", scan.robot_index},
+                    {"component", scan.component.value_or(-1)},
                     {"at", scan.position ? Numbers(*scan.position, 1e3) : Json(nullptr)}});
   }
   return list;

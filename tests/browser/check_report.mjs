@@ -75,6 +75,16 @@ async function checkTables(page) {
   assert.ok(cells.filter((text) => text.trim() === '–').length < cells.length / 3, 'empty tables');
 }
 
+// Nothing that explains is off the screen of a desktop; on a phone no picture is cut.
+async function checkWidths(page, selector) {
+  await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
+  const wide = await page.evaluate((which) => [...document.querySelectorAll('.scroll')]
+    .filter((box) => box.querySelector(which) && box.scrollWidth > box.clientWidth + 1)
+    .map((box) => `${box.scrollWidth} of ${box.clientWidth}: ${box.textContent.slice(0, 60)}`),
+  selector);
+  assert.deepEqual(wide, [], 'too wide');
+}
+
 async function checkModes(page) {
   const seen = new Set();
   for (const mode of ['rgb', 'source', 'scan', 'plane', 'height', 'residual']) {
@@ -178,6 +188,7 @@ async function checkFirstPaint(browser) {
 async function checkDesktop(browser) {
   const {page, faults} = await open(browser, {viewport: {width: 1280, height: 900}});
   await checkTables(page);
+  await checkWidths(page, 'table, svg');
   await startViewer(page);
   await checkModes(page);
   await checkClicks(page);
@@ -193,6 +204,7 @@ async function checkPhone(browser) {
   });
   const width = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(width <= 390, `the page is ${width} px wide on a phone`);
+  await checkWidths(page, 'svg.plan');
   await startViewer(page);
   assert.ok((await measure(page)).drawn > 2000);
   await page.screenshot({path: `${folder}/phone.png`});

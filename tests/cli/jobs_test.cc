@@ -181,9 +181,10 @@ TEST_F(Jobs, ScansThatDoNotFitTogetherAreNoFullResult) {
                 fs::copy_options::overwrite_existing);
   const Outcome outcome = Map(site);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("do not form one component but 2: robot1/001 stand apart; " +
+  EXPECT_THAT(outcome.err, HasSubstr("do not form one component but 2: robot1/001 stands apart; " +
                                      Path("out") + "/report.html says why"));
   EXPECT_THAT(outcome.out, HasSubstr("2 scans, 0 of 1 registration between scans used, 2 comp"));
+  EXPECT_THAT(outcome.out, HasSubstr("no registration joins 2 scans, each by itself: nothing"));
   EXPECT_EQ(nlohmann::json::parse(ReadTextFile(Path("out/report.json")))["components"], 2);
 }
 

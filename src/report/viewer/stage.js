@@ -85,20 +85,26 @@ function makePlanes(scene, clip) {
 function makeWays(scene, frame) {
   const group = new Group();
   const ball = new SphereGeometry(1, 16, 12);
-  const ways = scene.robots.map(() => []);
+  // A way ends where the component changes: between components no step is known.
+  const ways = [];
+  const last = scene.robots.map(() => null);
   scene.scans.forEach((scan, index) => {
     if (scan.at === null) return;
     const at = frame.toView(scan.at);
-    ways[scan.robot].push(...at);
+    if (last[scan.robot]?.component !== scan.component) {
+      last[scan.robot] = {robot: scan.robot, component: scan.component, places: []};
+      ways.push(last[scan.robot]);
+    }
+    last[scan.robot].places.push(...at);
     const colour = ROBOT_COLOURS[scan.robot % ROBOT_COLOURS.length];
     const marker = new Mesh(ball, new MeshBasicMaterial({color: colour}));
     marker.position.set(...at);
     marker.userData = {scan: index};
     group.add(marker);
   });
-  ways.forEach((way, robot) => {
+  ways.forEach(({robot, places}) => {
     const colour = ROBOT_COLOURS[robot % ROBOT_COLOURS.length];
-    group.add(new Line(geometryOf(Float32Array.from(way)), new LineBasicMaterial({color: colour})));
+    group.add(new Line(geometryOf(Float32Array.from(places)), new LineBasicMaterial({color: colour})));
   });
   return group;
 }
