@@ -20,7 +20,7 @@ namespace {
 std::vector<ScanRecord> PrepareScans(const Site& site, const MapOptions& options) {
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t r = 0; r < site.robots.size(); ++r) {
-    for (const std::size_t i : OrderAlongWay(site.robots[r])) jobs.push_back({r, i});
+    for (const std::size_t i : OrderAlongWay(site.robots[r])) jobs.emplace_back(r, i);
   }
   std::vector<ScanRecord> scans(jobs.size());
   std::atomic<std::size_t> done{0};
@@ -68,6 +68,7 @@ constexpr int kStartFrame = -1, kPlacedFrame = -2;  // others: the robot's index
 // the world's: only such scans can be neighbours by their poses.
 std::vector<int> FramesOf(const Site& site, const std::vector<ScanRecord>& scans) {
   std::vector<int> frames;
+  frames.reserve(scans.size());
   for (const ScanRecord& scan : scans) {
     frames.push_back(site.robots[scan.robot].start ? kStartFrame : static_cast<int>(scan.robot));
   }
@@ -169,7 +170,7 @@ JointSolution MatchSimultaneously(const Placement& placement, MapResult* result)
   }
   const MetascanResult metascan = OptimizeMetascan(sets, start, options);
   if (!metascan.terminated) {
-    result->warnings.push_back("the metascan's queue did not run empty; it was stopped");
+    result->warnings.emplace_back("the metascan's queue did not run empty; it was stopped");
   }
   JointSolution solution;
   solution.world_from_scan = metascan.poses;

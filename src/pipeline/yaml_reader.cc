@@ -12,7 +12,7 @@ YAML::Node YamlReader::Load() const {
   try {
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw InputError::AtLine(path_, static_cast<std::size_t>(std::max(error.mark.line, 0) + 1),
+    throw InputError::AtLine(path_, static_cast<std::size_t>(std::max(error.mark.line, 0)) + 1,
                              "is not valid YAML: " + error.msg);
   }
 }

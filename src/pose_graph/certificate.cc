@@ -147,7 +147,7 @@ class CertifiedRun {
 
   Certificate TimedCertificate(OnFailure on_failure) {
     const double start = Now();
-    const Certificate certificate = CertifyLifted(graph_, LiftedGraph<Dim>(graph_), on_failure);
+    Certificate certificate = CertifyLifted(graph_, LiftedGraph<Dim>(graph_), on_failure);
     summary_.seconds_certificate += Now() - start;
     return certificate;
   }

@@ -56,7 +56,7 @@ std::string OdometryScales(const Json& json) {
 std::string FoldedList(const std::string& items, std::size_t count, const std::string& summary,
                        std::size_t most_open) {
   if (count == 0) return "";
-  const std::string list = "<ul class=\"words\">\n" + items + "</ul>\n";
+  std::string list = "<ul class=\"words\">\n" + items + "</ul>\n";
   if (count <= most_open) return list;
   return "<details><summary>" + Escape(summary) + "</summary>\n" + list + "</details>\n";
 }

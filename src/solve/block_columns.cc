@@ -49,7 +49,7 @@ FactorStructure::FactorStructure(std::vector<int> node_rows, std::vector<std::ve
 
 BlockColumns::BlockColumns(const FactorStructure& structure) : structure_(structure) {
   for (int column = 0; column < static_cast<int>(structure.rows.size()); ++column) {
-    starts_.push_back({0});
+    starts_.emplace_back(1, 0);
     for (const int node : structure.rows[column]) {
       starts_.back().push_back(starts_.back().back() + Size(node));
     }
