@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include "io/cloud_formats.h"
 #include "io/file_bytes.h"
@@ -10,6 +11,10 @@
 
 namespace planegraph {
 namespace {
+
+constexpr std::pair<const char*, const char*> kFormats[] = {
+    {".ply", "ply"}, {".pcd", "pcd"}, {".xyz", "xyz"}, {".txt", "xyz"},
+    {".csv", "xyz"}, {".asc", "xyz"}, {".pts", "xyz"}, {".3d", "3dtk"}};
 
 using Parser = Cloud (*)(std::string_view, const std::string&);
 
@@ -30,12 +35,19 @@ std::string FormatOfContent(std::string_view bytes) {
 
 }  // namespace
 
+std::string CloudEndings() {
+  std::string list;
+  for (const auto& [ending, format] : kFormats)
+    list.append(list.empty() ? 0 : 1, ' ').append(ending);
+  return list;
+}
+
 std::string CloudFormatOfEnding(const std::string& path) {
-  static const std::map<std::string, std::string> kFormats = {
-      {".ply", "ply"}, {".pcd", "pcd"}, {".3d", "3dtk"}, {".xyz", "xyz"},
-      {".txt", "xyz"}, {".csv", "xyz"}, {".asc", "xyz"}, {".pts", "xyz"}};
-  const auto found = kFormats.find(ToLower(std::filesystem::path(path).extension().string()));
-  return found == kFormats.end() ? "" : found->second;
+  const std::string own = ToLower(std::filesystem::path(path).extension().string());
+  for (const auto& [ending, format] : kFormats) {
+    if (own == ending) return format;
+  }
+  return "";
 }
 
 std::string ChooseCloudFormat(const std::string& path, const std::string& asked,
@@ -44,7 +56,7 @@ std::string ChooseCloudFormat(const std::string& path, const std::string& asked,
   std::string format = asked == "auto" ? CloudFormatOfEnding(path) : asked;
   if (format.empty()) format = content;
   if (format.empty()) {
-    throw InputError::InFile(path, std::string("is no known cloud format (") + kCloudEndings +
+    throw InputError::InFile(path, "is no known cloud format (" + CloudEndings() +
                                        "); export .las, .e57 and others first: docs/your_data.md");
   }
   if (!content.empty() && content != format) {

@@ -9,8 +9,7 @@ using Json = nlohmann::json;
 
 Json FiltersJson(const RobotSite& robot) {
   Json list = Json::array();
-  const std::vector<FilterStep> filters = robot.filters.empty() ? DefaultFilters() : robot.filters;
-  for (const FilterStep& step : filters) list.push_back({{step.name, step.parameters}});
+  for (const FilterStep& step : robot.filters) list.push_back({{step.name, step.parameters}});
   return list;
 }
 

@@ -28,11 +28,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Cloud Filter(const RobotSite& robot, Cloud cloud) {
-  return FilterChain(robot.filters.empty() ? DefaultFilters() : robot.filters)
-      .Apply(std::move(cloud));
-}
-
 // A point far off everything is the file's error, not the program's.
 Segmentation Segment(const Cloud& cloud, const std::string& file,
                      const SegmentationOptions& options) {
@@ -65,7 +60,7 @@ LoadedScan LoadScan(const RobotSite& robot, std::size_t index) {
   scan.cloud = ReadCloud(robot.scans[index], robot.format);
   scan.points = scan.cloud.size();
   scan.seconds_read = watch.Lap();
-  scan.cloud = Filter(robot, DropSaturatedReturns(std::move(scan.cloud)));
+  scan.cloud = FilterChain(robot.filters).Apply(DropSaturatedReturns(std::move(scan.cloud)));
   scan.seconds_preprocess = watch.Lap();
   return scan;
 }

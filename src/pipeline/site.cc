@@ -84,7 +84,7 @@ std::vector<std::string> SiteReader::Scans(const YAML::Node& robot,
     ::globfree(&matches);
   }
   if (files.empty() && fs::is_directory(pattern)) {
-    Fail(robot["scans"], "the folder " + pattern.string() + " holds no scans (" + kCloudEndings +
+    Fail(robot["scans"], "the folder " + pattern.string() + " holds no scans (" + CloudEndings() +
                              "); export .las, .e57 and others first: docs/your_data.md");
   }
   if (files.empty()) Fail(robot["scans"], "no scan matches " + pattern.string());

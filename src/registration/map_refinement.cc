@@ -157,7 +157,7 @@ MapRefinement Refiner::Run(Sim3 pose) const {
       result.converged = true;
       break;
     }
-    gate = std::max(options_.last_gate, 0.7 * gate);
+    gate = std::max(options_.last_gate, MapRefinementOptions::kNarrowing * gate);
   }
   result.map_from_group = pose;
   if (options_.pose_only) return result;

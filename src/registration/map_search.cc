@@ -17,9 +17,8 @@ constexpr double kAnchorRadius = 6.0, kAnchorDistance = 12.0;  // metres
 constexpr std::size_t kMostAnchors = 4;
 // metres: candidates are told apart by it; the best one is refined further
 constexpr double kRest = 0.002;
-// Steps until the gate, seven tenths of the one before, has come from 1 m to its least.
-constexpr int kApproach = 6;
-// Then starts this near to each other end at the same place: a small part of the gate.
+// When the gate has come to its least, starts this near to each other end at the same place: a
+// small part of the gate.
 constexpr double kSameMetres = 0.03, kSameRadians = 0.003;  // and of log(scale)
 constexpr double kMostScaleSigmas = 5.0;
 
@@ -101,11 +100,17 @@ MapRefinementOptions QuickRefinement(const MapPrior& prior) {
   return quick;
 }
 
+// Steps until the gate has come to its least.
+int StepsOfApproach(const MapRefinementOptions& options) {
+  return static_cast<int>(std::ceil(std::log(options.last_gate / options.first_gate) /
+                                    std::log(MapRefinementOptions::kNarrowing)));
+}
+
 // The first steps, by the scans about the anchor, until the gate is at its least.
 void Approach(const MapModel& map, const ScanGroup& group, const MapLocationOptions& options,
               Start* start) {
   MapRefinementOptions quick = QuickRefinement(options.prior);
-  quick.most_iterations = kApproach;
+  quick.most_iterations = StepsOfApproach(quick);
   start->map_from_anchor =
       RefineInMap(map, Around(group, start->anchor, kAnchorRadius), start->map_from_anchor, quick)
           .map_from_group;
@@ -115,17 +120,15 @@ void Approach(const MapModel& map, const ScanGroup& group, const MapLocationOpti
 MapCandidate RefineFrom(const MapModel& map, const ScanGroup& group, const Start& start,
                         const MapLocationOptions& options) {
   MapRefinementOptions quick = QuickRefinement(options.prior);
-  const double first_gate = quick.first_gate;
-  quick.first_gate = quick.last_gate;
-  quick.most_iterations -= kApproach;
+  MapRefinementOptions rest = quick;
+  rest.first_gate = quick.last_gate;
+  rest.most_iterations -= StepsOfApproach(quick);
   MapCandidate candidate;
   const ScanGroup around = Around(group, start.anchor, kAnchorRadius);
-  candidate.refinement = RefineInMap(map, around, start.map_from_anchor, quick);
+  candidate.refinement = RefineInMap(map, around, start.map_from_anchor, rest);
   candidate.refinement.map_from_group =
       candidate.refinement.map_from_group * Sim3(group.group_from_scan[start.anchor].Inverse());
   if (around.scans.size() < group.scans.size()) {
-    quick.first_gate = first_gate;
-    quick.most_iterations += kApproach;
     candidate.refinement = RefineInMap(map, group, candidate.refinement.map_from_group, quick);
   }
   candidate.evidence =

@@ -183,8 +183,8 @@ std::string WorldNote(const ReportData& data, bool has_fixed) {
   const auto sigma = SigmaBetweenScans(*data.json);
   return "<p class=\"note\">In the world frame: how well GPS places the whole site is part of "
          "sigma" +
-         (sigma ? "; among each other the scans stand to about " + Significant(1000.0 * *sigma, 2) +
-                      "\u00a0mm"
+         (sigma ? "; a registration by itself holds two scans to each other to about " +
+                      Significant(1000.0 * *sigma, 2) + "\u00a0mm (median)"
                 : "") +
          ".</p>\n";
 }

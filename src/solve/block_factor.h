@@ -6,7 +6,8 @@
 
 namespace planegraph {
 
-/// The Cholesky factor L of a symmetric matrix A = L L^T, by dense columns.
+/// The Cholesky factor L of a symmetric matrix A = L L^T, by dense columns. Selected inversion
+/// needs the factor by nodes of one to seven rows, which neither CHOLMOD nor Eigen gives.
 class BlockFactor {
  public:
   /// The structure has to outlive it.

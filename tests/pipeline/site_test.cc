@@ -212,6 +212,14 @@ TEST_F(SiteFile, AFolderWithoutScansSaysWhatTheyAre) {
   ExpectError("robots:\n  - name: a\n    scans: las\n", "3", ".asc .pts .3d); export .las");
 }
 
+TEST_F(SiteFile, FiltersTakeThePlaceOfTheDefault) {
+  const std::string robot = "robots:\n  - name: a\n    scans: scans\n";
+  const Site by_default = ReadSite(Write("site.yaml", robot));
+  ASSERT_EQ(by_default.robots[0].filters.size(), 1u);
+  EXPECT_EQ(by_default.robots[0].filters[0].parameters.at("min"), 0.5);
+  EXPECT_TRUE(ReadSite(Write("site.yaml", robot + "    filters: []\n")).robots[0].filters.empty());
+}
+
 TEST_F(SiteFile, AFolderIsNoSite) {
   try {
     ReadSite(Path("scans"));

@@ -22,8 +22,9 @@ TEST_F(HtmlTables, SaysWhatSigmasInTheWorldFrameHold) {
   EXPECT_THAT(ReportOf(report.dump()), Not(HasSubstr(said)));  // relative to a fixed scan
   report["scans"][0]["covariance"] = report["scans"][1]["covariance"];
   EXPECT_THAT(ReportOf(report.dump()),
-              HasSubstr(said + std::string(" is part of sigma; among each other the scans stand to "
-                                           "about 3.0\u00a0mm.")));  // the one that is used
+              HasSubstr(said + std::string(" is part of sigma; a registration by itself holds two "
+                                           "scans to each other to about 3.0\u00a0mm "
+                                           "(median).")));  // the one that is used
   report["registrations"][0]["used"] = false;
   EXPECT_THAT(ReportOf(report.dump()), HasSubstr(said + std::string(" is part of sigma.")));
   report["origin"] = nullptr;

@@ -7,8 +7,8 @@
 
 namespace planegraph {
 
-/// The endings of the cloud formats that are read.
-inline constexpr const char* kCloudEndings = ".ply .pcd .xyz .txt .csv .asc .pts .3d";
+/// The endings of the cloud formats that are read, for messages: ".ply .pcd ...".
+std::string CloudEndings();
 
 /// Of a file by its ending: "ply", "pcd", "xyz" or "3dtk"; "" of all others.
 std::string CloudFormatOfEnding(const std::string& path);

@@ -45,9 +45,6 @@ struct OdometryNoise {
   double rotation_per_metre = 0.5 * std::numbers::pi / 180;  ///< radians per metre
 };
 
-/// Drops what lies nearer than half a metre: the robot itself.
-inline std::vector<FilterStep> DefaultFilters() { return {{"range", {{"min", 0.5}}}}; }
-
 /// A robot's scans in order, and what is known of its way.
 struct RobotSite {
   std::string name;
@@ -57,8 +54,9 @@ struct RobotSite {
   OdometryNoise odometry_noise = {};
   std::string odometry_file;  ///< that holds it; empty where .pose files do
   std::optional<StartPose> start;
-  std::string reference;            ///< a trajectory file, for evaluation alone; may be empty
-  std::vector<FilterStep> filters;  ///< empty: DefaultFilters()
+  std::string reference;  ///< a trajectory file, for evaluation alone; may be empty
+  /// The default drops what lies nearer than half a metre: the robot itself.
+  std::vector<FilterStep> filters = {{"range", {{"min", 0.5}}}};
   std::optional<RobotGps> gps;
   std::optional<GravityPrior> gravity;  ///< in the frame of every scan
 };

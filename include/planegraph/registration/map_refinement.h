@@ -11,6 +11,7 @@ namespace planegraph {
 struct MapRefinementOptions {
   double first_gate = 1.0;  ///< metres along the normal, of the first association
   double last_gate = 0.15;  ///< metres, of the last one: below the thickness of walls and roofs
+  static constexpr double kNarrowing = 0.7;  ///< of the gate, from one step to the next
   int most_iterations = 25;
   double rest = 3e-4;  ///< metres, and a tenth of it in radians: steps below end the iteration
   std::size_t most_surfels = 1500;  ///< of all scans together
