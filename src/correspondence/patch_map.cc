@@ -6,29 +6,13 @@
 namespace planegraph {
 namespace {
 
-constexpr double kCell = 0.8;    // metres; a query looks at three cells along the normal
+// A query looks at three cells along the normal.
+constexpr double kCell = SurfaceCells::kEdge;
 constexpr double kReach = 0.75;  // a surfel answers within this share of its cell's edge
 constexpr double kSlack = 0.1;   // metres beyond it
 
-constexpr int kBias = 1 << 20;  // makes every cell's coordinates positive
-
-// With the bias truncation is rounding down, at a fraction of floor's cost.
-inline int CellOf(double coordinate) {
-  constexpr double kPerMetre = 1.0 / kCell;
-  return static_cast<int>(coordinate * kPerMetre + kBias);
-}
-
 Eigen::Vector3i CellOf(const Eigen::Vector3d& point) {
-  return {CellOf(point.x()), CellOf(point.y()), CellOf(point.z())};
-}
-
-inline std::uint64_t Key(int x, int y, int z) {
-  return (static_cast<std::uint64_t>(x) << 42) | (static_cast<std::uint64_t>(y) << 21) |
-         static_cast<std::uint64_t>(z);
-}
-
-inline std::uint64_t KeyOf(double x, double y, double z) {
-  return Key(CellOf(x), CellOf(y), CellOf(z));
+  return {SurfaceCells::Of(point.x()), SurfaceCells::Of(point.y()), SurfaceCells::Of(point.z())};
 }
 
 double ReachOf(const Surfel& s) { return kReach * s.size + kSlack; }
@@ -41,7 +25,10 @@ inline std::uint64_t Mix(std::uint64_t key) {
   return key ^ key >> 32;
 }
 
-inline std::uint32_t Tag(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
+// Of a cell; the lowest bits are left to the sides.
+inline std::uint32_t Tag(std::uint64_t hash) {
+  return static_cast<std::uint32_t>(hash >> 32) & ~SurfaceFilter::kAllSides;
+}
 
 // The cells that a surfel's square overlaps, as keys.
 void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
@@ -53,10 +40,11 @@ void CellsOf(const Surfel& s, std::vector<std::uint64_t>* keys) {
   for (int x = low.x(); x <= high.x(); ++x) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int z = low.z(); z <= high.z(); ++z) {
-        const Eigen::Vector3d centre = (Eigen::Vector3d(x, y, z).array() - kBias + 0.5) * kCell;
+        const Eigen::Vector3d centre(SurfaceCells::Centre(x), SurfaceCells::Centre(y),
+                                     SurfaceCells::Centre(z));
         // The plane misses cells farther off than half a cell's diagonal.
         if (std::abs(s.normal.dot(centre - s.mean)) > 0.87 * kCell) continue;
-        keys->push_back(Key(x, y, z));
+        keys->push_back(SurfaceCells::Key(x, y, z));
       }
     }
   }
@@ -122,7 +110,7 @@ PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   for (const Surfel& s : surfels_) faces_.push_back({s.normal, s.mean, ReachOf(s)});
   for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
     CellsOf(surfels_[i], &keys);
-    for (const std::uint64_t key : keys) entries.push_back({Mix(key), i});
+    for (const std::uint64_t key : keys) entries.emplace_back(Mix(key), i);
   }
   std::uint64_t slots = 64;
   while (slots < entries.size()) slots *= 2;
@@ -135,14 +123,16 @@ PatchMap::PatchMap(std::vector<Surfel> surfels) : surfels_(std::move(surfels)) {
   items_.resize(entries.size());
   for (const auto& [hash, i] : entries) {
     const std::uint64_t slot = hash & mask_;
-    items_[next[slot]++] = {Tag(hash), i};
+    items_[next[slot]++] = {Tag(hash) | SurfaceFilter::SidesNear(surfels_[i].normal), i};
     filled_[slot / 64] |= std::uint64_t{1} << slot % 64;
   }
+  filter_ = SurfaceFilter(faces_);
 }
 
 struct PatchMap::Query {
   Eigen::Vector3d point, normal;
   double gate, least_cosine;
+  std::uint32_t sides;     // one bit for each that counts
   double best = INFINITY;  // cost
   int found = -1;
 };
@@ -150,8 +140,9 @@ struct PatchMap::Query {
 inline void PatchMap::BestInCell(std::uint64_t hash, Query* query) const {
   const std::uint64_t slot = hash & mask_;
   for (std::uint32_t k = starts_[slot]; k < starts_[slot + 1]; ++k) {
-    if (items_[k].tag != Tag(hash)) continue;
-    const Face& face = faces_[items_[k].surfel];
+    const std::uint32_t tag = items_[k].tag;
+    if (Tag(std::uint64_t{tag} << 32) != Tag(hash) || (tag & query->sides) == 0) continue;
+    const SurfaceFace& face = faces_[items_[k].surfel];
     const Eigen::Vector3d d = query->point - face.mean;
     const double height = std::abs(face.normal.dot(d));
     const double along = d.squaredNorm() - height * height;
@@ -167,18 +158,20 @@ inline void PatchMap::BestInCell(std::uint64_t hash, Query* query) const {
 
 int PatchMap::Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
                    double least_cosine) const {
-  Query query{point, normal, gate, least_cosine};
+  const bool alike = least_cosine >= SurfaceFilter::kCosine;
+  const int side = SurfaceFilter::SideOf(normal);
+  if (alike && gate <= SurfaceFilter::kGate && !filter_.MayLie(point, side)) return -1;
+  Query query{point, normal, gate, least_cosine, alike ? 1u << side : SurfaceFilter::kAllSides};
   const auto look = [&](std::uint64_t key) {
     const std::uint64_t hash = Mix(key), slot = hash & mask_;
     if ((filled_[slot / 64] >> slot % 64 & 1) != 0) BestInCell(hash, &query);
   };
-  const std::uint64_t centre = KeyOf(point.x(), point.y(), point.z());
+  const std::uint64_t centre = SurfaceCells::KeyOf(point);
   look(centre);
   // A surface at most `gate` off lies in this cell or in those that the gate reaches.
   const Eigen::Vector3d reach = std::min(gate, kCell) * normal;
   for (const double sign : {-1.0, 1.0}) {
-    const std::uint64_t key = KeyOf(point.x() + sign * reach.x(), point.y() + sign * reach.y(),
-                                    point.z() + sign * reach.z());
+    const std::uint64_t key = SurfaceCells::KeyOf(point + sign * reach);
     if (key != centre) look(key);
   }
   return query.found;

@@ -54,6 +54,7 @@ std::vector<VotePeak> FindPeaks(std::vector<VotePeak> votes, double width, std::
   std::sort(votes.begin(), votes.end(),
             [](const VotePeak& a, const VotePeak& b) { return a.value < b.value; });
   std::vector<VotePeak> windows;
+  windows.reserve(votes.size());
   double weight = 0.0, moment = 0.0;
   for (std::size_t first = 0, last = 0; first < votes.size(); ++first) {
     while (last < votes.size() && votes[last].value <= votes[first].value + width) {
@@ -65,8 +66,9 @@ std::vector<VotePeak> FindPeaks(std::vector<VotePeak> votes, double width, std::
     weight -= votes[first].weight;
     moment -= votes[first].weight * votes[first].value;
   }
-  std::stable_sort(windows.begin(), windows.end(),
-                   [](const VotePeak& a, const VotePeak& b) { return a.weight > b.weight; });
+  std::sort(windows.begin(), windows.end(), [](const VotePeak& a, const VotePeak& b) {
+    return a.weight != b.weight ? a.weight > b.weight : a.value < b.value;
+  });
   std::vector<VotePeak> peaks;
   for (const VotePeak& window : windows) {
     if (peaks.size() == most) break;

@@ -7,24 +7,6 @@
 
 namespace planegraph {
 
-int RangeImage::Pixel(const Eigen::Vector3f& d) {
-  const float ax = std::abs(d.x()), ay = std::abs(d.y()), az = std::abs(d.z());
-  int face;
-  float u, v, w;
-  if (ax >= ay && ax >= az) {
-    face = d.x() > 0 ? 0 : 1, u = d.y(), v = d.z(), w = ax;
-  } else if (ay >= az) {
-    face = d.y() > 0 ? 2 : 3, u = d.x(), v = d.z(), w = ay;
-  } else {
-    face = d.z() > 0 ? 4 : 5, u = d.x(), v = d.y(), w = az;
-  }
-  if (!(w > 0)) return 0;
-  const float scale = 0.5f * kEdge / w;
-  const int i = std::clamp(static_cast<int>(u * scale + 0.5f * kEdge), 0, kEdge - 1);
-  const int j = std::clamp(static_cast<int>(v * scale + 0.5f * kEdge), 0, kEdge - 1);
-  return (face * kEdge + j) * kEdge + i;
-}
-
 RangeImage::RangeImage(const Cloud& cloud)
     : viewpoint_(cloud.viewpoint - cloud.offset),
       nearest_(kPixels, std::numeric_limits<float>::infinity()),

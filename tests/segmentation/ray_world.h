@@ -103,7 +103,7 @@ inline RayScan ScanWorld(const RayWorld& world, const Rigid3& world_from_scan, i
     }
     if (hit < 0) continue;
     const double measured = range + normal(engine) * (noise.constant + noise.per_metre * range);
-    scan.cloud.points.push_back((measured * beam).cast<float>());
+    scan.cloud.points.emplace_back((measured * beam).cast<float>());
     scan.labels.push_back(hit);
   }
   return scan;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "planegraph/correspondence/surface_filter.h"
 #include "planegraph/segmentation/plane_segment.h"
 
 namespace planegraph {
@@ -46,23 +47,22 @@ class PatchMap {
   int Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
            double least_cosine) const;
 
+  /// Says where `Find` has no answer, for gates and cosines up to the filter's.
+  const SurfaceFilter& filter() const { return filter_; }
+
  private:
   struct Query;
   void BestInCell(std::uint64_t hash, Query* query) const;
 
-  // The tag stands for the cell: a surfel of another one that slips through is still tested.
+  // The tag stands for the cell and the sides that the surfel faces: one of another cell that slips
+  // through is still tested.
   struct Item {
     std::uint32_t tag, surfel;
   };
 
-  // What a query reads of a surfel, in one line of the cache.
-  struct alignas(64) Face {
-    Eigen::Vector3d normal, mean;
-    double reach;  // metres from the mean, within which it answers
-  };
-
   std::vector<Surfel> surfels_;
-  std::vector<Face> faces_;            // by surfel
+  std::vector<SurfaceFace> faces_;  // by surfel: what a query reads of it
+  SurfaceFilter filter_;
   std::vector<std::uint64_t> filled_;  // a bit for each hash slot: most queries meet empty space
   std::vector<std::uint32_t> starts_;  // by hash slot
   std::vector<Item> items_;
