@@ -115,6 +115,7 @@ nlohmann::json ToJson(const Registration& result, const PlaneSet& target, const 
       {"runner_up", result.runner_up},
       {"rms", result.refinement.rms},
       {"planes", {{"source", source.planes.size()}, {"target", target.planes.size()}}}};
+  if (result.quality_back) json["quality_back"] = *result.quality_back;
   if (!HasPose(result.refinement)) json["covariance"] = json["target_from_source"] = nullptr;
   if (!FLAGS_map_scale.empty() && HasPose(result.refinement))
     json["target_from_source"]["scale"] = 1.0 / scale;

@@ -19,6 +19,11 @@ constexpr double kSameMetres = 0.5, kSameRadians = 0.09;
 // A rotation known worse than this (radians) is tried from other starts, turned by kTurn.
 constexpr double kWeakEnoughToTurn = 0.002, kTurn = 0.1;
 
+// Surfels that tell hypotheses apart, and the share of the best one's quality from which on one is
+// refined by all surfels: well below the share that makes an answer ambiguous.
+constexpr std::size_t kFewSurfels = 400;
+constexpr double kMayCompete = 0.5;
+
 struct Candidate {
   Refinement refinement;
   Support support;
@@ -36,11 +41,15 @@ bool Compete(const Rigid3& a, const Rigid3& b) {
          AngleBetween(a.rotation, b.rotation) > kSameRadians;
 }
 
+double SupportGate(const Refinement& refinement, const RegistrationOptions& options) {
+  return std::max(options.support_gate, 3.0 * refinement.floor);
+}
+
 Candidate Evaluate(const ScanModel& target, const ScanModel& source, Refinement refinement,
                    const RegistrationOptions& options) {
   Candidate c{std::move(refinement), {}, 0.0};
-  const double gate = std::max(options.support_gate, 3.0 * c.refinement.floor);
-  c.support = MeasureSupport(target, source, c.refinement.target_from_source, gate);
+  c.support = MeasureSupport(target, source, c.refinement.target_from_source,
+                             SupportGate(c.refinement, options));
   c.quality = Quality(c.support);
   return c;
 }
@@ -154,6 +163,20 @@ std::string DescribeUnobserved(const std::vector<UnobservedDirection>& unobserve
   return text;
 }
 
+// A small part of a scan can agree with the wrong place of a large one by chance; then hardly any
+// of the large one agrees with it.
+void RequireBothWays(const ScanModel& target, const ScanModel& source,
+                     const RegistrationOptions& options, Registration* result) {
+  const Rigid3 source_from_target = result->target_from_source().Inverse();
+  const double gate = SupportGate(result->refinement, options);
+  result->quality_back = Quality(MeasureSupport(source, target, source_from_target, gate));
+  if (*result->quality_back >= options.least_quality) return;
+  if (result->status == RegistrationStatus::kFailed) return;
+  result->status = RegistrationStatus::kFailed;
+  result->reason = Format("the other way round the pose explains too little: quality %.2f of %.2f",
+                          *result->quality_back, options.least_quality);
+}
+
 void Decide(const RegistrationOptions& options, Registration* result) {
   if (result->quality < options.least_quality) {
     result->status = RegistrationStatus::kFailed;
@@ -213,6 +236,30 @@ Candidate MergeNeighbours(Candidate best, std::vector<Candidate> neighbours,
   return best;
 }
 
+// All hypotheses by few surfels, those that could win or compete by all of them.
+std::vector<Candidate> RefineHypotheses(const ScanModel& target, const ScanModel& source,
+                                        const RegistrationOptions& options) {
+  const auto refine = [&](const Rigid3& start, const RefinementOptions& refinement) {
+    return Evaluate(target, source, RefinePose(target, source, start, refinement), options);
+  };
+  RefinementOptions few = options.refinement;
+  few.most_surfels = std::min(few.most_surfels, kFewSurfels);
+  std::vector<Candidate> candidates;
+  std::vector<Rigid3> starts;
+  double best = 0.0;
+  for (const auto& h : FindHypotheses(target, source, options.hypotheses)) {
+    if (!h.rejected.empty()) continue;
+    starts.push_back(h.target_from_source);
+    candidates.push_back(refine(starts.back(), few));
+    best = std::max(best, candidates.back().quality);
+  }
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    if (candidates[k].quality < kMayCompete * best) continue;
+    candidates[k] = refine(starts[k], options.refinement);
+  }
+  return candidates;
+}
+
 Registration Finish(const ScanModel& target, const ScanModel& source, Candidate best,
                     double runner_up, const RegistrationOptions& options) {
   Registration result;
@@ -257,13 +304,7 @@ std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const S
 
 Registration Register(const ScanModel& target, const ScanModel& source,
                       const RegistrationOptions& options) {
-  std::vector<Candidate> candidates;
-  for (const auto& h : FindHypotheses(target, source, options.hypotheses)) {
-    if (!h.rejected.empty()) continue;
-    candidates.push_back(
-        Evaluate(target, source,
-                 RefinePose(target, source, h.target_from_source, options.refinement), options));
-  }
+  std::vector<Candidate> candidates = RefineHypotheses(target, source, options);
   if (candidates.empty()) {
     Registration none;
     none.reason = "the two scans have no two plane directions at equal angles";
@@ -277,7 +318,9 @@ Registration Register(const ScanModel& target, const ScanModel& source,
   best = MergeNeighbours(std::move(best), std::move(neighbours), options);
   RegistrationOptions alone = options;
   alone.least_quality = std::max(options.least_quality, options.least_quality_alone);
-  return Finish(target, source, std::move(best), runner_up, alone);
+  Registration result = Finish(target, source, std::move(best), runner_up, alone);
+  RequireBothWays(target, source, options, &result);
+  return result;
 }
 
 Registration RegisterFromGuess(const ScanModel& target, const ScanModel& source,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "planegraph/segmentation/segmenter.h"
+#include "planegraph/simulation/simulation.h"
 #include "segmentation/ray_world.h"
 
 namespace planegraph {
@@ -155,6 +156,24 @@ TEST(Register, ASymmetricRoomIsAmbiguous) {
   const Registration found = Register(ScanModel(target), ScanModel(source));
   EXPECT_EQ(found.status, RegistrationStatus::kAmbiguous) << found.reason;
   EXPECT_THAT(found.reason, testing::HasSubstr("another pose"));
+}
+
+// A part of the source fits into the target 10 m beside its place, by chance, and no other pose
+// explains nearly as much; of the target's surfaces hardly any then lies in the source.
+TEST(Register, WhatExplainsOneScanAloneIsNotOk) {
+  SimulationOptions options;
+  options.scene = SceneKind::kHall;
+  options.scans = 6;
+  options.seed = 3119;
+  const SimulatedRobot robot = Simulate(options).robots[0];
+  const auto planes = [&](std::size_t k) { return SegmentPlanes(robot.scans[k].cloud).planes; };
+  const PlaneSet target = planes(3), source = planes(4);
+  const Registration found = Register(ScanModel(target), ScanModel(source));
+  const Rigid3 truth = robot.truth[3].Inverse() * robot.truth[4];
+  EXPECT_TRUE(found.status != RegistrationStatus::kOk ||
+              PoseError(found.target_from_source(), truth).norm() < 0.1)
+      << found.quality;
+  EXPECT_FALSE(found.reason.empty());
 }
 
 TEST(Register, EmptyScansFail) {

@@ -16,7 +16,7 @@ struct RegistrationOptions {
   HypothesisOptions hypotheses;
   RefinementOptions refinement;
   double support_gate = 0.1;          ///< metres, of the final verification
-  double least_quality = 0.2;         ///< of a pose to be believed
+  double least_quality = 0.2;         ///< of a pose to be believed; either way where nothing guides
   double least_quality_alone = 0.28;  ///< of one that no guess speaks for
   double ambiguity = 0.75;  ///< a second pose with this share of the best one's quality is one
   double weak_translation = 0.05;  ///< metres: a larger standard deviation is "not observed"
@@ -30,6 +30,8 @@ struct Registration {
   Refinement refinement;  ///< the pose, its covariance and the plane pairs
   Support support;
   double quality = 0.0, runner_up = 0.0;
+  /// Of the inverse pose: the target's surfaces in the source. By `Register` alone.
+  std::optional<double> quality_back;
   std::vector<UnobservedDirection> unobserved;
 
   const Rigid3& target_from_source() const { return refinement.target_from_source; }
@@ -49,7 +51,8 @@ std::vector<UnobservedDirection> FindUnobserved(const ScanModel& target, const S
                                                 const RegistrationOptions& options);
 
 /// Registers without a guess: hypotheses, refinement of each, and a decision by evidence. Says
-/// `ambiguous` rather than guess when another pose explains nearly as much.
+/// `ambiguous` rather than guess when another pose explains nearly as much, and `failed` where only
+/// one of the two scans has its surfaces explained.
 Registration Register(const ScanModel& target, const ScanModel& source,
                       const RegistrationOptions& options = {});
 
