@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
+#include "plane_subset.h"
 #include "planegraph/registration/registration.h"
 #include "planegraph/registration/xiao.h"
 #include "planegraph/segmentation/segmenter.h"
@@ -14,28 +14,6 @@
 namespace planegraph {
 namespace {
 
-// The planes of largest area, with their patches alone.
-PlaneSet KeepLargest(PlaneSet set, std::size_t count) {
-  std::vector<std::int32_t> order(set.planes.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    return set.planes[a].area > set.planes[b].area;
-  });
-  order.resize(std::min(count, order.size()));
-  std::vector<std::int32_t> new_place(set.planes.size(), -1);
-  std::vector<PlaneSegment> planes;
-  for (const std::int32_t p : order) {
-    new_place[p] = static_cast<std::int32_t>(planes.size());
-    planes.push_back(set.planes[p]);
-  }
-  std::erase_if(set.patches, [&](const Patch& patch) {
-    return patch.segment < 0 || new_place[patch.segment] < 0;
-  });
-  for (Patch& patch : set.patches) patch.segment = new_place[patch.segment];
-  set.planes = std::move(planes);
-  return set;
-}
-
 struct ScanPair {
   PlaneSet target, source;
   ScanPair(SceneKind scene, std::size_t planes) {
@@ -43,8 +21,8 @@ struct ScanPair {
     options.scene = scene;
     options.scans = 12;
     const SimulatedSite site = Simulate(options);
-    target = KeepLargest(SegmentPlanes(site.robots[0].scans[1].cloud).planes, planes);
-    source = KeepLargest(SegmentPlanes(site.robots[0].scans[2].cloud).planes, planes);
+    target = LargestPlanes(SegmentPlanes(site.robots[0].scans[1].cloud).planes, planes);
+    source = LargestPlanes(SegmentPlanes(site.robots[0].scans[2].cloud).planes, planes);
   }
 };
 

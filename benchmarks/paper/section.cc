@@ -4,6 +4,8 @@
 #include <functional>
 #include <numeric>
 
+#include "plane_subset.h"
+
 namespace planegraph {
 namespace {
 
@@ -17,24 +19,6 @@ double Reach(const PlaneSet& scan) {
       reach.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(reach.size() - 1));
   std::nth_element(reach.begin(), high, reach.end());
   return *high;
-}
-
-// The planes at `kept`, in that order, and their patches.
-PlaneSet Subset(const PlaneSet& all, const std::vector<std::size_t>& kept) {
-  std::vector<int> index(all.planes.size(), -1);
-  PlaneSet subset = all;
-  subset.planes.clear();
-  subset.patches.clear();
-  for (const std::size_t k : kept) {
-    index[k] = static_cast<int>(subset.planes.size());
-    subset.planes.push_back(all.planes[k]);
-  }
-  for (Patch patch : all.patches) {
-    if (patch.segment < 0 || index[static_cast<std::size_t>(patch.segment)] < 0) continue;
-    patch.segment = index[static_cast<std::size_t>(patch.segment)];
-    subset.patches.push_back(patch);
-  }
-  return subset;
 }
 
 bool Inside(const Eigen::Vector3d& point, const Eigen::Vector3d& place, double half_edge) {
@@ -73,16 +57,6 @@ Section SectionAbout(const MapResult& result, std::size_t m, std::size_t scan, c
   section.seconds_segment = map.seconds_segment * static_cast<double>(section.points) /
                             static_cast<double>(std::max<std::size_t>(map.points, 1));
   return section;
-}
-
-PlaneSet LargestPlanes(const PlaneSet& planes, std::size_t most) {
-  std::vector<std::size_t> order(planes.planes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return planes.planes[a].area > planes.planes[b].area;
-  });
-  order.resize(std::min(order.size(), most));
-  return Subset(planes, order);
 }
 
 PlaneSet PlanesAbout(const PlaneSet& map, const Eigen::Vector3d& place, double half_edge) {

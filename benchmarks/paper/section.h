@@ -19,10 +19,7 @@ inline constexpr double kSectionTolerance = 5.0;  ///< metres
 Section SectionAbout(const MapResult& result, std::size_t map, std::size_t scan,
                      const Cloud& cloud);
 
-/// The largest planes of a set, at most `most`, with their patches and the rest of the set.
-PlaneSet LargestPlanes(const PlaneSet& planes, std::size_t most);
-
-/// The planes of the map with their centroid within `half_edge` of the place, in x and y, likewise.
+/// The planes of the map with their centroid within `half_edge` of the place, in x and y.
 PlaneSet PlanesAbout(const PlaneSet& map, const Eigen::Vector3d& place, double half_edge);
 
 /// The scan in the map's metric frame by the solution.

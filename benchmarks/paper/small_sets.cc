@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "paper/section.h"
+#include "plane_subset.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/map_registration.h"
 #include "planegraph/registration/xiao.h"
@@ -17,18 +18,6 @@ constexpr std::size_t kScanPlanes = 30, kMapPlanes = 150;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kReach = 35.0;  // metres: of the scanner
 constexpr double kStartMetres = 1.0, kStartRadians = 10.0 * kDegree;
-
-// Least time of a few calls: what else the machine does only adds to it.
-template <typename Body>
-double LeastSeconds(int repeats, const Body& body) {
-  double least = 1e9;
-  for (int k = 0; k < repeats; ++k) {
-    const double start = ThreadSeconds();
-    body();
-    least = std::min(least, ThreadSeconds() - start);
-  }
-  return least;
-}
 
 // As a scan is registered to a map once its group is placed.
 MapEvidence RegisterHere(const MapModel& map, const ScanGroup& group, const Sim3& start,

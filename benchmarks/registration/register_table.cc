@@ -4,42 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "planegraph/cloud/saturated_returns.h"
 #include "planegraph/geometry/rotation.h"
-#include "planegraph/io/cloud_io.h"
-#include "planegraph/io/trajectory_io.h"
 #include "planegraph/registration/registration.h"
-#include "planegraph/segmentation/segmenter.h"
+#include "registration/pair_sets.h"
 
 namespace planegraph {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMinRange = 0.5;  // metres: the scanner's own carrier
-
-struct Limits {
-  double metres, degrees;
-};
 
 struct Tally {
   int pairs = 0, ok = 0, wrong = 0, inside = 0;
   std::string closures;
 };
-
-PlaneSet Segment(const std::string& path) {
-  const Cloud cloud = ReadCloud(path);
-  std::vector<std::uint32_t> used;
-  for (const std::uint32_t i : UnsaturatedReturns(cloud)) {
-    if ((cloud.Position(i) - cloud.viewpoint).norm() >= kMinRange) used.push_back(i);
-  }
-  return SegmentPlanes(Select(cloud, used)).planes;
-}
 
 // Largest error of a component in standard deviations.
 double WorstSigmas(const Rigid3& found, const Rigid3& truth, const Matrix6d& covariance) {
@@ -49,24 +30,24 @@ double WorstSigmas(const Rigid3& found, const Rigid3& truth, const Matrix6d& cov
   return (error.array().abs() / covariance.diagonal().array().sqrt()).maxCoeff();
 }
 
-Registration Report(const std::string& name, const PlaneSet& target, const PlaneSet& source,
-                    const Rigid3& truth, const Limits& limits, Tally* tally) {
-  Registration result = Register(ScanModel(target), ScanModel(source));
+Registration Report(const PairSet& set, std::size_t source, std::size_t target, Tally* tally) {
+  Registration result = Register(ScanModel(set.planes[target]), ScanModel(set.planes[source]));
+  const Rigid3 truth = set.TargetFromSource(target, source);
   const Rigid3& found = result.target_from_source();
   const double metres = (found.translation - truth.translation).norm();
   const double degrees = AngleBetween(found.rotation, truth.rotation) / kDegree;
   const Matrix6d& covariance = result.refinement.covariance;
   const double sigmas = WorstSigmas(found, truth, covariance);
   const bool ok = result.status == RegistrationStatus::kOk;
-  const bool wrong = ok && (metres > limits.metres || degrees > limits.degrees);
+  const bool wrong = ok && (metres > set.metres || degrees > set.degrees);
   tally->pairs++, tally->ok += ok, tally->wrong += wrong, tally->inside += sigmas <= 3.0;
   const auto three_sigma = [&](int first) {
     return 3.0 * std::sqrt(covariance.diagonal().segment<3>(first).maxCoeff());
   };
-  std::printf("| %s | %s%s | %.3f | %.3f | %.3f | %.3f | %.1f | %.2f / %.2f | %s |\n", name.c_str(),
-              ToString(result.status), wrong ? " (WRONG)" : "", metres, degrees, three_sigma(0),
-              three_sigma(3) / kDegree, sigmas, result.quality, result.runner_up,
-              result.reason.c_str());
+  std::printf("| %s | %s%s | %.3f | %.3f | %.3f | %.3f | %.1f | %.2f / %.2f | %s |\n",
+              set.PairName(source, target).c_str(), ToString(result.status),
+              wrong ? " (WRONG)" : "", metres, degrees, three_sigma(0), three_sigma(3) / kDegree,
+              sigmas, result.quality, result.runner_up, result.reason.c_str());
   std::fflush(stdout);
   return result;
 }
@@ -114,38 +95,13 @@ std::string DescribeClosures(const std::string& name, const std::vector<PlaneSet
   return text;
 }
 
-void ReportRun(const std::string& name, const std::vector<std::string>& paths,
-               const std::string& reference, const Limits& limits, bool first_to_last,
-               Tally* tally) {
-  const Trajectory truth = ReadTrajectory(reference);
-  std::vector<PlaneSet> planes;
-  for (const auto& path : paths) planes.push_back(Segment(path));
-  const auto pair = [&](std::size_t source, std::size_t target) {
-    const Rigid3 pose = truth.poses[target].Inverse() * truth.poses[source];
-    return Report(name + " " + std::to_string(source) + " -> " + std::to_string(target),
-                  planes[target], planes[source], pose, limits, tally);
-  };
+void ReportRun(const PairSet& set, Tally* tally) {
   std::vector<Registration> steps;
-  for (std::size_t k = 0; k + 1 < planes.size(); ++k) steps.push_back(pair(k + 1, k));
-  if (first_to_last) pair(planes.size() - 1, 0);
-  tally->closures += DescribeClosures(name, planes, steps);
-}
-
-std::vector<std::string> ScanPaths(const std::string& folder, int count, const char* ending) {
-  std::vector<std::string> paths;
-  for (int k = 0; k < count; ++k) {
-    char name[32];
-    std::snprintf(name, sizeof(name), "/scan%03d.%s", k, ending);
-    paths.push_back(folder + name);
+  for (std::size_t k = 0; k + 1 < set.planes.size(); ++k) {
+    steps.push_back(Report(set, k + 1, k, tally));
   }
-  return paths;
-}
-
-Rigid3 ReadMatrix(const std::string& path) {
-  std::ifstream stream(path);
-  Eigen::Matrix4d m;
-  for (int k = 0; k < 16; ++k) stream >> m(k / 4, k % 4);
-  return {Eigen::Quaterniond(ProjectToRotation(m.topLeftCorner<3, 3>())), m.topRightCorner<3, 1>()};
+  if (set.last_to_first) Report(set, set.planes.size() - 1, 0, tally);
+  tally->closures += DescribeClosures(set.name, set.planes, steps);
 }
 
 int Run(const std::string& data) {
@@ -153,18 +109,7 @@ int Run(const std::string& data) {
   std::puts(
       "| pair | status | error, m | error, deg | 3 sigma, m | 3 sigma, deg | worst error in "
       "sigmas | quality / runner-up | reason |\n|---|---|---|---|---|---|---|---|---|");
-  const std::string kitti = data + "/pair_kitti/", site = data + "/hybrid-site-a/ugv/";
-  const std::string hall = data + "/bedkowski_tls13", city = data + "/3dtk_dat";
-  Report("pair_kitti", Segment(kitti + "target.ply"), Segment(kitti + "source.ply"),
-         ReadMatrix(kitti + "T_target_source.txt"), {0.05, 0.4}, &tally);
-  ReportRun("hybrid-site-a short", ScanPaths(site + "short", 7, "ply"), site + "short/truth.tum",
-            {0.03, 0.1}, false, &tally);
-  ReportRun("hybrid-site-a loop", ScanPaths(site + "loop", 24, "ply"), site + "loop/truth.tum",
-            {0.03, 0.1}, false, &tally);
-  ReportRun("bedkowski_tls13", ScanPaths(hall, 13, "pcd"), hall + "/reference_icp.tum", {0.08, 0.5},
-            false, &tally);
-  ReportRun("3dtk_dat", ScanPaths(city, 3, "3d"), city + "/reference_slam6d_p2pl_full.tum",
-            {0.12, 2.5}, true, &tally);
+  for (const PairSet& set : ReadPairSets(data)) ReportRun(set, &tally);
   std::printf(
       "\n%d of %d pairs ok (%.0f %%), %d of them wrong; %d within 3 sigma in each component\n",
       tally.ok, tally.pairs, 100.0 * tally.ok / tally.pairs, tally.wrong, tally.inside);
