@@ -20,6 +20,19 @@ trap 'rm -rf "$work"' EXIT
   echo "HTML_EXTRA_STYLESHEET = \"$theme/doxygen-awesome.css\" \"$theme/doxygen-awesome-sidebar-only.css\" docs/site/style.css"
 ) | doxygen -
 
+# Doxygen gives a Markdown file two pages: what is written there, and an empty one about the file, to which its name leads.
+(
+  cd "$work/html"
+  for about in *_8md.html; do
+    page=${about%_8md.html}
+    [ "$page" != README ] || page=third_party  # the only README among the pages
+    page=${page//__/_}
+    printf 's|\([^A-Za-z_]\)%s|\1%s.html|g\n' "${about//./\\.}" "${page,,}"
+    rm "$about"
+  done >../names.sed
+  find . -name '*.html' -o -name '*.js' | xargs sed -i -f ../names.sed
+)
+
 # Links to files of the site that are not there. (Doxygen checks what it knows; plain links pass through it.)
 broken=$(cd "$work/html" && grep -oHE '(href|src)="[^"#]+' ./*.html | grep -vE '"(https?|mailto|javascript):' |
   sed 's/:\(href\|src\)="/ /' | sort -u | while read -r page link; do [ -e "$link" ] || echo "$page: no $link"; done)
