@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "planegraph/geometry/cube_side.h"
+
 namespace planegraph {
 
 void FirstLook::Look(std::size_t rotation, const Eigen::Matrix3d& target_from_source,
@@ -28,7 +30,7 @@ void FirstLook::Turn(const Eigen::Matrix3d& rotation) {
     const Surfel& surfel = source_.map.surfels()[source_.samples[k]];
     const Eigen::Vector3d normal = rotation * surfel.normal;
     samples_.push_back(
-        {rotation * surfel.mean, normal, SurfaceFilter::SideOf(normal), source_.sample_weights[k]});
+        {rotation * surfel.mean, normal, CubeSide(normal), source_.sample_weights[k]});
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planegraph/geometry/cube_side.h"
+
 namespace planegraph {
 namespace {
 
@@ -159,7 +161,7 @@ inline void PatchMap::BestInCell(std::uint64_t hash, Query* query) const {
 int PatchMap::Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double gate,
                    double least_cosine) const {
   const bool alike = least_cosine >= SurfaceFilter::kCosine;
-  const int side = SurfaceFilter::SideOf(normal);
+  const int side = CubeSide(normal);
   if (alike && gate <= SurfaceFilter::kGate && !filter_.MayLie(point, side)) return -1;
   Query query{point, normal, gate, least_cosine, alike ? 1u << side : SurfaceFilter::kAllSides};
   const auto look = [&](std::uint64_t key) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "planegraph/geometry/cube_side.h"
+
 namespace planegraph {
 namespace {
 
@@ -49,7 +51,7 @@ void SurfaceFilter::MarkCell(std::uint64_t cell, std::uint32_t sides) {
 void SurfaceFilter::Mark(const SurfaceFace& face) {
   const Eigen::Vector3d &n = face.normal, slope = n.cwiseAbs();
   const std::uint32_t sides = SidesNear(n);
-  const int w = SideOf(n) / 2, u = (w + 1) % 3, v = (w + 2) % 3;
+  const int w = CubeSide(n) / 2, u = (w + 1) % 3, v = (w + 2) % 3;
   const Eigen::Vector3d extent =
       (Eigen::Vector3d::Ones() - n.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt() * face.reach +
       (kGate * slope).array().matrix() + Eigen::Vector3d::Constant(kRounding);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "planegraph/base/median.h"
+#include "planegraph/geometry/cube_side.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
@@ -170,11 +171,9 @@ MapRefinement Refiner::Run(Sim3 pose) const {
 }  // namespace
 
 std::uint64_t MapBlock(const Eigen::Vector3d& place, const Eigen::Vector3d& normal) {
-  Eigen::Index axis = 0;
-  normal.cwiseAbs().maxCoeff(&axis);
   const Eigen::Vector3i cell = (place / MapErrors::kBlock).array().floor().cast<int>();
   constexpr std::int64_t kBias = 1 << 18;
-  std::uint64_t key = static_cast<std::uint64_t>(axis) * 2 + (normal[axis] > 0.0 ? 1 : 0);
+  std::uint64_t key = static_cast<std::uint64_t>(CubeSide(normal));
   for (int k = 0; k < 3; ++k) key = (key << 19) | static_cast<std::uint64_t>(cell[k] + kBias);
   return key;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "planegraph/geometry/cube_side.h"
+
 namespace planegraph {
 namespace {
 
@@ -34,20 +36,10 @@ class SurfaceFilterTest : public testing::Test {
   std::mt19937_64 engine_{5};
 };
 
-TEST_F(SurfaceFilterTest, ASideIsTheNearestAxis) {
-  for (int run = 0; run < 1000; ++run) {
-    const Eigen::Vector3d d = Direction();
-    const int side = SurfaceFilter::SideOf(d);
-    Eigen::Index axis = 0;
-    d.cwiseAbs().maxCoeff(&axis);
-    EXPECT_EQ(side, 2 * axis + (d[axis] < 0 ? 1 : 0));
-  }
-}
-
 TEST_F(SurfaceFilterTest, SidesNearHoldsEveryDirectionNearBy) {
   for (int run = 0; run < 20000; ++run) {
     const Eigen::Vector3d d = Direction();
-    EXPECT_NE(SurfaceFilter::SidesNear(d) >> SurfaceFilter::SideOf(Near(d)) & 1, 0u);
+    EXPECT_NE(SurfaceFilter::SidesNear(d) >> CubeSide(Near(d)) & 1, 0u);
   }
   EXPECT_EQ(SurfaceFilter::SidesNear(Eigen::Vector3d::UnitX()), 1u);
   EXPECT_EQ(SurfaceFilter::SidesNear(-Eigen::Vector3d::UnitZ()), 32u);
@@ -62,7 +54,7 @@ TEST_F(SurfaceFilterTest, NeverDeniesAFace) {
         Eigen::AngleAxisd(Uniform(0, 7), face.normal) * face.normal.unitOrthogonal();
     const Eigen::Vector3d point = face.mean + Uniform(0, 1) * face.reach * along +
                                   Uniform(-1, 1) * SurfaceFilter::kGate * face.normal;
-    ASSERT_TRUE(filter.MayLie(point, SurfaceFilter::SideOf(Near(face.normal)))) << run;
+    ASSERT_TRUE(filter.MayLie(point, CubeSide(Near(face.normal)))) << run;
   }
 }
 

@@ -28,15 +28,7 @@ class SurfaceFilter {
   SurfaceFilter() : bits_(16, 0) {}
   explicit SurfaceFilter(const std::vector<SurfaceFace>& faces);
 
-  /// The axis (0 to 5: +x -x +y -y +z -z) that a direction is nearest to.
-  static int SideOf(const Eigen::Vector3d& direction) {
-    const Eigen::Vector3d size = direction.cwiseAbs();
-    const bool x_first = size.x() >= size.y() && size.x() >= size.z();
-    const bool y_first = size.y() >= size.z();
-    const double along = x_first ? direction.x() : y_first ? direction.y() : direction.z();
-    return 2 * (x_first ? 0 : y_first ? 1 : 2) + (along < 0 ? 1 : 0);
-  }
-  /// The sides of all directions within the angle of kCosine, as bits.
+  /// The sides (CubeSide) of all directions within the angle of kCosine, as bits.
   static std::uint32_t SidesNear(const Eigen::Vector3d& normal);
 
   /// Whether a face may lie at a point that faces like a direction of that side.

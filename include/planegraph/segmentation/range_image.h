@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include "planegraph/cloud/cloud.h"
+#include "planegraph/geometry/cube_side.h"
 
 namespace planegraph {
 
@@ -45,20 +47,16 @@ class RangeImage {
   static constexpr float kFarthest = std::numeric_limits<float>::max();
 
   static int Pixel(const Eigen::Vector3f& direction) {
-    const Eigen::Vector3f size = direction.cwiseAbs();
-    // Selections rather than branches: the faces of successive beams are hard to foresee.
-    const bool x_first = size.x() >= size.y() && size.x() >= size.z();
-    const bool y_first = size.y() >= size.z();
-    const float w = x_first ? size.x() : y_first ? size.y() : size.z();
-    const float main = x_first ? direction.x() : y_first ? direction.y() : direction.z();
+    const int side = CubeSide(direction);
+    const bool x_first = side < 2, z_first = side >= 4;
+    const float w = std::abs(x_first ? direction.x() : z_first ? direction.z() : direction.y());
     const float u = x_first ? direction.y() : direction.x();
-    const float v = !x_first && !y_first ? direction.y() : direction.z();
+    const float v = z_first ? direction.y() : direction.z();
     if (!(w > 0)) return 0;
-    const int face = 2 * (x_first ? 0 : y_first ? 1 : 2) + (main > 0 ? 0 : 1);
     const float scale = 0.5f * kEdge / w;
     const int i = std::clamp(static_cast<int>(u * scale + 0.5f * kEdge), 0, kEdge - 1);
     const int j = std::clamp(static_cast<int>(v * scale + 0.5f * kEdge), 0, kEdge - 1);
-    return (face * kEdge + j) * kEdge + i;
+    return (side * kEdge + j) * kEdge + i;
   }
 
   Eigen::Vector3d viewpoint_ = Eigen::Vector3d::Zero();
