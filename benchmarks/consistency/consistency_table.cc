@@ -12,6 +12,7 @@
 
 #include "planegraph/base/chi_square.h"
 #include "planegraph/base/median.h"
+#include "report_errors.h"
 
 namespace planegraph {
 namespace {
@@ -123,10 +124,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: consistency_table FOLDER...\n");
     return 1;
   }
-  try {
-    return planegraph::Run(argc - 1, argv + 1);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argc - 1, argv + 1); });
 }

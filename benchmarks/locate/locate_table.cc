@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "locate/outcome.h"
+#include "report_errors.h"
 
 namespace planegraph {
 namespace {
@@ -221,10 +222,5 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "locate_table SITE...\n"), 1;
-  try {
-    return planegraph::Run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argc, argv); });
 }

@@ -10,6 +10,7 @@
 #include "paper/small_sets.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/xiao.h"
+#include "report_errors.h"
 #include "thread_seconds.h"
 
 namespace planegraph {
@@ -182,10 +183,5 @@ int Run(const std::string& path) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "paper_tables SITE.yaml\n"), 1;
-  try {
-    return planegraph::Run(argv[1]);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argv[1]); });
 }

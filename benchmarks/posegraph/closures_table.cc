@@ -22,6 +22,7 @@
 #include "planegraph/pose_graph/robust_optimization.h"
 #include "planegraph/simulation/random.h"
 #include "posegraph/false_closures.h"
+#include "report_errors.h"
 #include "thread_seconds.h"
 
 namespace planegraph {
@@ -155,10 +156,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: closures_table GRAPH.g2o [KIND SHARE [SEED OUT.g2o]]\n");
     return 1;
   }
-  try {
-    return planegraph::Run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argc, argv); });
 }

@@ -13,6 +13,7 @@
 #include "planegraph/registration/closed_form.h"
 #include "planegraph/registration/xiao.h"
 #include "registration/pair_sets.h"
+#include "report_errors.h"
 #include "thread_seconds.h"
 
 namespace planegraph {
@@ -97,12 +98,8 @@ int Run(const std::string& data) {
     std::vector<PlaneSet> planes;
     for (const PlaneSet& scan : set.planes) planes.push_back(LargestPlanes(scan, kPlanes));
     Times times;
-    for (std::size_t k = 0; k + 1 < planes.size(); ++k) {
-      times.Add(Compare(planes[k], planes[k + 1], set.TargetFromSource(k, k + 1)));
-    }
-    if (set.last_to_first) {
-      const std::size_t last = planes.size() - 1;
-      times.Add(Compare(planes[0], planes[last], set.TargetFromSource(0, last)));
+    for (const auto& [source, target] : set.Pairs()) {
+      times.Add(Compare(planes[target], planes[source], set.TargetFromSource(target, source)));
     }
     Print(set.name, times);
     all.Add(times);
@@ -116,10 +113,5 @@ int Run(const std::string& data) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "matching_table DATA\n"), 1;
-  try {
-    return planegraph::Run(argv[1]);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argv[1]); });
 }

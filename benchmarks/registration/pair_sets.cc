@@ -42,6 +42,13 @@ Rigid3 ReadMatrix(const std::string& path) {
 
 }  // namespace
 
+std::vector<std::pair<std::size_t, std::size_t>> PairSet::Pairs() const {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t k = 0; k + 1 < planes.size(); ++k) pairs.emplace_back(k + 1, k);
+  if (last_to_first) pairs.emplace_back(planes.size() - 1, 0);
+  return pairs;
+}
+
 std::string PairSet::PairName(std::size_t source, std::size_t target) const {
   if (planes.size() == 2) return name;
   return name + " " + std::to_string(source) + " -> " + std::to_string(target);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planegraph/geometry/rigid3.h"
@@ -16,6 +18,8 @@ struct PairSet {
   double metres, degrees;         ///< a result farther from the reference is wrong
   bool last_to_first = false;     ///< that pair is one, too
 
+  /// Source and target: every scan and the one before it, then the last and the first.
+  std::vector<std::pair<std::size_t, std::size_t>> Pairs() const;
   /// Of the reference.
   Rigid3 TargetFromSource(std::size_t target, std::size_t source) const {
     return reference[target].Inverse() * reference[source];

@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/registration.h"
 #include "registration/pair_sets.h"
+#include "report_errors.h"
 
 namespace planegraph {
 namespace {
@@ -97,10 +99,10 @@ std::string DescribeClosures(const std::string& name, const std::vector<PlaneSet
 
 void ReportRun(const PairSet& set, Tally* tally) {
   std::vector<Registration> steps;
-  for (std::size_t k = 0; k + 1 < set.planes.size(); ++k) {
-    steps.push_back(Report(set, k + 1, k, tally));
+  for (const auto& [source, target] : set.Pairs()) {
+    Registration found = Report(set, source, target, tally);
+    if (source == target + 1) steps.push_back(std::move(found));
   }
-  if (set.last_to_first) Report(set, set.planes.size() - 1, 0, tally);
   tally->closures += DescribeClosures(set.name, set.planes, steps);
 }
 
@@ -123,10 +125,5 @@ int Run(const std::string& data) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "register_table DATA\n"), 1;
-  try {
-    return planegraph::Run(argv[1]);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
-  }
+  return planegraph::ReportErrors([&] { return planegraph::Run(argv[1]); });
 }
