@@ -6,6 +6,10 @@
 
 namespace planegraph::tools {
 
+/// Exit codes beside 0: a wrong call, a wrong input, no result that may be believed, our own
+/// defect.
+inline constexpr int kUsage = 1, kInput = 2, kNoResult = 3, kDefect = 4;
+
 /// One subcommand. It lives in a file of its own, tools/NAME.cc, that defines its gflags and a
 /// `Command NAMECommand()`; main.cc lists them.
 struct Command {

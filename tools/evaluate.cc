@@ -40,8 +40,6 @@ DEFINE_double(max_range, 0.0, "points of scans farther from the scanner are drop
 namespace planegraph::tools {
 namespace {
 
-constexpr int kNoResult = 3;
-
 bool IsFirst(const std::string& flag, const std::string& value, const std::string& first,
              const std::string& second) {
   if (value != first && value != second) {
@@ -104,7 +102,7 @@ std::string IntervalText(const std::optional<Interval>& interval, double factor)
 namespace {
 
 // Wrong values are told before anything is read.
-void CheckFlags() {
+void CheckEvaluateFlags() {
   const bool trajectory = !FLAGS_reference.empty(), scans = !FLAGS_scans.empty();
   const bool map = !FLAGS_map.empty();
   if (!trajectory && !scans && !map) {
@@ -134,7 +132,7 @@ void CheckFlags() {
 
 int RunEvaluate(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 0, 0);
-  CheckFlags();
+  CheckEvaluateFlags();
   nlohmann::json result = {{"warnings", nlohmann::json::array()}};
   if (!FLAGS_reference.empty()) ReportTrajectory(&result);
   if (!FLAGS_map.empty() || !FLAGS_scans.empty()) ReportClouds(&result);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/error.h"
 #include "planegraph/evaluation/trajectory_plot.h"
 #include "planegraph/evaluation/trajectory_warnings.h"
@@ -14,7 +15,6 @@
 namespace planegraph::tools {
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
 const std::size_t kBlocks = IntervalOptions().blocks;
 
 using Part = Statistics PoseErrors::*;
@@ -101,13 +101,14 @@ void PrintErrors(const PoseErrors& errors, const std::vector<PoseErrors>& withou
               "max");
   PrintRow("translation [m]", errors.translation, 1.0);
   PrintRow("rotation [rad]", errors.rotation, 1.0);
-  PrintRow("rotation [deg]", errors.rotation, kDegrees);
+  PrintRow("rotation [deg]", errors.rotation, kDegreesPerRadian);
   const auto translation = IntervalOf(errors, without, &PoseErrors::translation, &Statistics::rmse);
   if (!translation) return;
   std::printf("  rmse, %g %% interval (jackknife, %zu blocks): %.6f to %.6f m",
               100.0 * FLAGS_confidence, without.size(), translation->low, translation->high);
   const auto rotation = IntervalOf(errors, without, &PoseErrors::rotation, &Statistics::rmse);
-  std::printf(", %.6f to %.6f deg\n", kDegrees * rotation->low, kDegrees * rotation->high);
+  std::printf(", %.6f to %.6f deg\n", kDegreesPerRadian * rotation->low,
+              kDegreesPerRadian * rotation->high);
 }
 
 void PrintJudgement(const Judgement& judged) {
@@ -244,7 +245,7 @@ PlotSeries SeriesOf(const Judgement& judged) {
   if (!judged.rpe) return series;
   series.rpe = judged.rpe->errors.translation_errors;
   for (double angle : judged.rpe->errors.rotation_errors) {
-    series.rpe_rotation.push_back(kDegrees * angle);
+    series.rpe_rotation.push_back(kDegreesPerRadian * angle);
   }
   for (const auto& pair : judged.rpe->pairs) {
     series.rpe_times.push_back(judged.pairs.times[pair.second]);

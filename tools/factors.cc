@@ -38,7 +38,7 @@ void Print(const FactorType& type) {
   }
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int RunFactors(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 0, 0);
   nlohmann::json factors = nlohmann::json::array();
   for (const auto& [name, type] : BuiltinFactors().types()) {
@@ -52,7 +52,8 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command FactorsCommand() {
-  return {"factors", "", "the cost variants, with their parameters, units and sources", {}, Run};
+  return {
+      "factors", "", "the cost variants, with their parameters, units and sources", {}, RunFactors};
 }
 
 }  // namespace planegraph::tools

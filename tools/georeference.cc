@@ -29,7 +29,7 @@ GeodeticPosition ParseOrigin(const std::string& text) {
   return origin;
 }
 
-GeoreferenceOptions OptionsFromFlags() {
+GeoreferenceOptions GeoreferenceOptionsFromFlags() {
   GeoreferenceOptions options;
   if (!FLAGS_method.empty()) options.method = FLAGS_method;
   if (options.method != "robust" && options.method != "paper") {
@@ -106,7 +106,7 @@ int RunGeoreference(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 0, 0);
   RequireFlag("cameras");
   RequireFlag("gps");
-  const GeoreferenceOptions options = OptionsFromFlags();
+  const GeoreferenceOptions options = GeoreferenceOptionsFromFlags();
   const CameraModel model = ReadCamerasWithWarnings();
   const GpsTrack track = ReadGpsWithWarnings();
   std::optional<ImageTimes> times;

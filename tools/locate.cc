@@ -25,7 +25,7 @@ DECLARE_string(map_scale);
 namespace planegraph::tools {
 namespace {
 
-void CheckFlags(const std::string& method) {
+void CheckLocateFlags(const std::string& method) {
   RequireFlag("map");
   if (method != "vote" && method != "cells") {
     throw UsageError("--method must be vote or cells, not '" + method + "'");
@@ -156,10 +156,10 @@ nlohmann::json ToJson(const MapLocation& location, const MapRecord& map) {
           {"map", {{"planes", map.planes.planes.size()}, {"sigma_scale", map.sigma_scale}}}};
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int RunLocate(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1000);
   if (FLAGS_method.empty()) FLAGS_method = "vote";
-  CheckFlags(FLAGS_method);
+  CheckLocateFlags(FLAGS_method);
   const MapRecord map = ReadMap();
   const Scans scans = ReadScans(arguments);
   const MapLocation location = Locate(map, scans, FLAGS_method);
@@ -191,7 +191,7 @@ Command LocateCommand() {
                                     "map_memory", "scratch_dir"};
   for (const auto& flag : SegmentationFlags()) flags.push_back(flag);
   return {"locate", "SCAN...", "where one scan, or several as a group, stand in a drone map", flags,
-          Run};
+          RunLocate};
 }
 
 }  // namespace planegraph::tools

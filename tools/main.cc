@@ -18,7 +18,6 @@
 namespace planegraph::tools {
 namespace {
 
-constexpr int kUsage = 1, kInput = 2, kNoResult = 3, kDefect = 4;
 const char* const kCommonFlags[] = {"threads", "seed", "json", "quiet", "log_level", "flagfile"};
 
 void PrintCommands() {

@@ -43,7 +43,7 @@ Command MapCommand();
 
 namespace {
 
-MapOptions OptionsFromFlags() {
+MapOptions MapOptionsFromFlags() {
   MapOptions options;
   options.optimizer = FLAGS_optimizer;
   const FactorChoice factor = BuiltinFactors().Parse(FLAGS_plane_factor, FactorKind::kPlane);
@@ -204,7 +204,7 @@ int ExitCode(const MapResult& result, const nlohmann::json& report) {
     std::cerr << "error: the joint solve did not come to rest: its last step moved a scan by "
               << result.solution.last_move << " m\n";
   }
-  return 3;
+  return kNoResult;
 }
 
 void CutMapsAsFlagged(Site* site) {
@@ -215,13 +215,13 @@ void CutMapsAsFlagged(Site* site) {
   }
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int RunMap(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   RequireFlag("output_dir");
   if (FLAGS_map_tiles != 0.0 && !(FLAGS_map_tiles >= MapTiling::kLeastSize)) {
     throw UsageError("--map_tiles must be at least 1 m (0: as the site says)");
   }
-  MapOptions options = OptionsFromFlags();
+  MapOptions options = MapOptionsFromFlags();
   options.progress = ProgressReporter(DrawProgress);
   options.warn = PrintWarning;
   Site site = ReadSite(arguments[0]);
@@ -246,7 +246,7 @@ Command MapCommand() {
           "scans to one consistent map: poses, merged map, report",
           {"output_dir", "optimizer", "plane_factor", "loss", "covariance", "map_voxel",
            "map_tiles", "map_memory", "scratch_dir"},
-          Run};
+          RunMap};
 }
 
 }  // namespace planegraph::tools

@@ -55,7 +55,7 @@ SegmentationOptions VisionOptionsFromFlags(const Cloud& cloud) {
   return options;
 }
 
-SegmentationOptions OptionsFromFlags(CloudKind kind, const Cloud& cloud) {
+SegmentationOptions SegmentationOptionsFromFlags(CloudKind kind, const Cloud& cloud) {
   RequirePositive("cell_size", FLAGS_cell_size);
   if (FLAGS_min_points < 3) throw UsageError("--min_points must be at least 3");
   if (!(FLAGS_min_area >= 0.0)) throw UsageError("--min_area must not be negative");
@@ -115,7 +115,7 @@ CloudKind ParseKind(const std::string& flag, const std::string& value) {
 Cloud ReadInputCloud(const std::string& path) { return ReadCloud(path, FLAGS_format); }
 
 Segmentation SegmentInput(const Cloud& cloud, CloudKind kind, const std::string& path) {
-  const SegmentationOptions options = OptionsFromFlags(kind, cloud);
+  const SegmentationOptions options = SegmentationOptionsFromFlags(kind, cloud);
   const std::vector<std::uint32_t> used = PointsToUse(cloud, kind);
   try {
     if (kind == CloudKind::kVision) return SegmentMap(cloud, {options, 25.6, FLAGS_threads});

@@ -30,7 +30,7 @@ namespace planegraph::tools {
 namespace {
 
 // Larger standard deviations stand for "nothing is known", metres or radians.
-constexpr double kInfinite = 100.0;
+constexpr double kUnheld = 100.0;
 
 Rigid3 ParsePose(const std::string& text) {
   const std::vector<double> n = ParseNumbers("guess", text);
@@ -78,7 +78,7 @@ nlohmann::json UnobservedToJson(const std::vector<UnobservedDirection>& unobserv
     const auto& d = open.direction;
     out.push_back(
         {{"direction", {d[0], d[1], d[2], d[3], d[4], d[5]}},
-         {"sigma", FiniteOrNull(open.sigma, kInfinite)},
+         {"sigma", FiniteOrNull(open.sigma, kUnheld)},
          {"held_by", open.held_by.empty() ? nlohmann::json() : nlohmann::json(open.held_by)}});
   }
   return out;
@@ -109,7 +109,7 @@ nlohmann::json ToJson(const Registration& result, const PlaneSet& target, const 
       {"reason", result.reason},
       {"correspondences", PairsToJson(result.refinement.correspondences, target, source)},
       {"covariance",
-       CovarianceToJson(CovarianceWithOffsets(result.refinement, source), kInfinite * kInfinite)},
+       CovarianceToJson(CovarianceWithOffsets(result.refinement, source), kUnheld * kUnheld)},
       {"unobserved", UnobservedToJson(result.unobserved)},
       {"quality", result.quality},
       {"runner_up", result.runner_up},
@@ -147,7 +147,7 @@ void PrintSummary(const nlohmann::json& json, const Registration& result) {
               SecondsSinceStart());
 }
 
-void CheckFlags() {
+void CheckRegisterFlags() {
   if (FLAGS_matcher != "ours" && FLAGS_matcher != "xiao") {
     throw UsageError("--matcher must be ours or xiao, not '" + FLAGS_matcher + "'");
   }
@@ -159,7 +159,7 @@ void CheckFlags() {
 
 // A drone map as the target: its scale is an unknown with a prior, and its surfaces do not see free
 // space themselves.
-MapLocationOptions MapOptionsFromFlags(const ScaleOfMap& scale, const PlaneSet& source) {
+MapLocationOptions LocationOptionsFromFlags(const ScaleOfMap& scale, const PlaneSet& source) {
   MapLocationOptions options;
   options.threads = FLAGS_threads;
   options.prior.sigma_scale = scale.sigma;
@@ -205,7 +205,7 @@ nlohmann::json MapResultToJson(const MapLocation& location, const MapModel& map,
   const Sim3 pose = target_from_metric * metric * shift;
   json["target_from_source"] = SimilarityToJson(pose);
   const Matrix6d covariance = found.covariance.topLeftCorner<6, 6>();
-  json["covariance"] = CovarianceToJson(covariance, kInfinite * kInfinite);
+  json["covariance"] = CovarianceToJson(covariance, kUnheld * kUnheld);
   json["sigma_scale"] = std::sqrt(found.covariance(6, 6));
   json["unobserved"] = UnobservedToJson(OpenInMap(covariance));
   json["correspondences"] =
@@ -217,7 +217,7 @@ int RegisterInMap(const PlaneSet& target, const PlaneSet& source, const ScaleOfM
   const MapModel map(target);
   const ScanModel scan(source);
   const MapLocation location =
-      LocateInMap(map, ScanGroup(scan), MapOptionsFromFlags(scale, source));
+      LocateInMap(map, ScanGroup(scan), LocationOptionsFromFlags(scale, source));
   const nlohmann::json json = MapResultToJson(location, map, scan, scale);
   if (WantsText()) {
     std::printf("%s%s%s\ntarget_from_source %s\n", ToString(location.status),
@@ -231,7 +231,7 @@ int RegisterInMap(const PlaneSet& target, const PlaneSet& source, const ScaleOfM
 
 int RunRegister(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 2, 2);
-  CheckFlags();
+  CheckRegisterFlags();
   const ScaleOfMap map_scale = ParseMapScale(FLAGS_map_scale);
   const double scale = map_scale.scale;
   if (scale != 1.0 && IsPlanesFile(arguments[1])) {

@@ -7,7 +7,7 @@
 namespace planegraph::tools {
 namespace {
 
-int Run(const std::vector<std::string>& arguments) {
+int RunReport(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   WriteHtmlReport(arguments[0]);
   const std::string path = arguments[0] + "/report.html";
@@ -19,7 +19,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command ReportCommand() {
-  return {"report", "DIR", "the HTML report of a finished run again", {}, Run};
+  return {"report", "DIR", "the HTML report of a finished run again", {}, RunReport};
 }
 
 }  // namespace planegraph::tools

@@ -18,7 +18,7 @@ DEFINE_bool(noise_free, false, "exact ranges and depths, no drop-outs, no mixed 
 namespace planegraph::tools {
 namespace {
 
-SimulationOptions OptionsFromFlags() {
+SimulationOptions SimulationOptionsFromFlags() {
   SimulationOptions options;
   options.scene = ParseSceneKind(FLAGS_scene);
   options.drone_mode = ParseDroneMode(FLAGS_drone);
@@ -63,10 +63,10 @@ void Print(const SimulatedSite& site, std::size_t scans, std::size_t points) {
   std::cout << " in " << FLAGS_output_dir << "\n";
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int RunSimulate(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 0, 0);
   RequireFlag("output_dir");
-  const SimulatedSite site = Simulate(OptionsFromFlags());
+  const SimulatedSite site = Simulate(SimulationOptionsFromFlags());
   WriteSite(FLAGS_output_dir, site);
   std::size_t points = 0;
   const nlohmann::json scans = ScanTable(site, &points);
@@ -88,7 +88,7 @@ Command SimulateCommand() {
           "make a site with exact truth: scans, odometry, a drone's map, labels",
           {"scene", "output_dir", "scan_count", "beams", "sweeps", "scanner_range", "noise_free",
            "drone"},
-          Run};
+          RunSimulate};
 }
 
 }  // namespace planegraph::tools

@@ -43,7 +43,7 @@ std::string CheckFlag(const std::string& command, const std::string& flag,
   return fits ? "" : "the flag " + flag + " cannot be '" + value + "'";
 }
 
-void DrawProgress(const std::string& run, double done) {
+void DrawSweepProgress(const std::string& run, double done) {
   std::fprintf(stderr, "\r%5.1f %%  %-60.60s%s", 100.0 * done, run.c_str(),
                done >= 1.0 ? "\n" : "");
 }
@@ -126,13 +126,13 @@ void HandleEmptyMetrics(Experiment* experiment, std::vector<SweepRun>* runs) {
   }
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int RunSweepCommand(const std::vector<std::string>& arguments) {
   ExpectArguments(arguments, 1, 1);
   RequireFlag("output_dir");
   Experiment experiment = ReadExperiment(arguments[0], FLAGS_data_dir, CheckFlag);
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
   std::vector<SweepRun> runs = RunSweep(
-      experiment, {program, FLAGS_output_dir, FLAGS_threads, ProgressReporter(DrawProgress)});
+      experiment, {program, FLAGS_output_dir, FLAGS_threads, ProgressReporter(DrawSweepProgress)});
   HandleEmptyMetrics(&experiment, &runs);
   const std::vector<SweepRow> rows = MakeSweepTable(experiment, runs);
   WriteSweepTables(experiment, runs, rows, {PLANEGRAPH_VERSION, PLANEGRAPH_COMMIT},
@@ -162,7 +162,7 @@ Command SweepCommand() {
           "EXPERIMENT.yaml --output_dir=DIR",
           "variants of map on data sets, repeated, to one table; --threads: runs at the same time",
           {"output_dir", "data_dir"},
-          Run};
+          RunSweepCommand};
 }
 
 }  // namespace planegraph::tools

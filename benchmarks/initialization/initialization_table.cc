@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/median.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/segmentation/segmenter.h"
@@ -24,7 +24,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostMetres = 0.2, kMostRadians = kDegree;  // of a success: rmse, largest
 const std::vector<double> kWrongShares = {0.0, 0.37, 0.6};
 const std::vector<std::string> kLosses = {"none", "cauchy", "gnc_tls"};

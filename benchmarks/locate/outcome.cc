@@ -1,8 +1,8 @@
 #include "locate/outcome.h"
 
 #include <algorithm>
-#include <numbers>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/cell_search.h"
@@ -11,7 +11,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kRightMetres = 1.0, kRightDegrees = 5.0;
 
 struct Error {

@@ -1,13 +1,13 @@
 // paper_tables SITE.yaml: the tables of the paper for a site, as Markdown (docs/paper_tables.md).
 // Times are wall-clock seconds on one thread, the least of some runs.
 #include <cstdio>
-#include <numbers>
 #include <string>
 
 #include "paper/published.h"
 #include "paper/runs.h"
 #include "paper/section.h"
 #include "paper/small_sets.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/xiao.h"
 #include "report_errors.h"
@@ -16,7 +16,6 @@
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kRuns = 5;
 
 void PrintScans(const MapResult& result) {

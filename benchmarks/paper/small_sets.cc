@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numbers>
 
 #include "paper/section.h"
 #include "plane_subset.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/map_registration.h"
 #include "planegraph/registration/xiao.h"
@@ -15,7 +15,6 @@ namespace planegraph {
 namespace {
 
 constexpr std::size_t kScanPlanes = 30, kMapPlanes = 150;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kReach = 35.0;  // metres: of the scanner
 constexpr double kStartMetres = 1.0, kStartRadians = 10.0 * kDegree;
 

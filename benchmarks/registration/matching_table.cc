@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "plane_subset.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/closed_form.h"
 #include "planegraph/registration/xiao.h"
@@ -20,7 +20,6 @@ namespace planegraph {
 namespace {
 
 constexpr std::size_t kPlanes = 30;
-constexpr double kDegree = std::numbers::pi / 180.0;
 // The poses of the closed form are starts: they have to lie where a refinement finds the rest.
 constexpr double kNearMetres = 0.5, kNearRadians = 3.0 * kDegree;
 

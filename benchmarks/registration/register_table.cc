@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/registration/registration.h"
 #include "registration/pair_sets.h"
@@ -16,8 +16,6 @@
 
 namespace planegraph {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Tally {
   int pairs = 0, ok = 0, wrong = 0, inside = 0;

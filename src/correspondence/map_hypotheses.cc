@@ -6,13 +6,13 @@
 
 #include "correspondence/direction_grid.h"
 #include "correspondence/rotation_hypotheses.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kMostRotations = 48;
 constexpr double kHeadingStep = 6.0 * kDegree;
 constexpr double kScaleStep = 0.025;  // of log(scale): half a voxel at a distance of 16 m

@@ -7,7 +7,7 @@
 namespace planegraph {
 namespace {
 
-constexpr double kCell = 0.5;             // metres: what photogrammetry still resolves at edges
+constexpr double kLeastColumn = 0.5;      // metres: what photogrammetry still resolves at edges
 constexpr double kMostColumns = 1 << 24;  // larger maps get wider columns
 constexpr double kMargin = 0.4;           // metres of height, for the blur of edges
 constexpr double kAside = 0.5;            // metres before and behind a wall
@@ -37,7 +37,7 @@ OpenSky::OpenSky(const std::vector<Surfel>& surfels) : columns_from_map_(UpToZ(s
     low = low.cwiseMin(at.array().matrix() - Eigen::Vector2d::Constant(s.size));
     high = high.cwiseMax(at + Eigen::Vector2d::Constant(s.size));
   }
-  cell_ = std::max(kCell, std::sqrt((high - low).prod() / kMostColumns));
+  cell_ = std::max(kLeastColumn, std::sqrt((high - low).prod() / kMostColumns));
   low_ = low;
   width_ = static_cast<long>((high - low).x() / cell_) + 1;
   height_ = static_cast<long>((high - low).y() / cell_) + 1;

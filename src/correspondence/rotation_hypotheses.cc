@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kSeedDirections = 10;
 constexpr double kAngleTolerance = 4.0 * kDegree;
 constexpr double kLeastAngle = 25.0 * kDegree;  // a pair must not be parallel

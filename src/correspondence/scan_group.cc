@@ -7,7 +7,7 @@
 namespace planegraph {
 namespace {
 
-const double kSameDirection = std::cos(6.0 * std::numbers::pi / 180.0);
+const double kOneMainDirection = std::cos(6.0 * std::numbers::pi / 180.0);
 
 }  // namespace
 
@@ -71,7 +71,7 @@ std::vector<DirectionCluster> DirectionsOf(const ScanGroup& group) {
       const Eigen::Vector3d direction = group.group_from_scan[s].rotation * cluster.direction;
       const double area = cluster.weight * cluster.weight;
       const auto same = std::find_if(merged.begin(), merged.end(), [&](const auto& m) {
-        return m.direction.dot(direction) > kSameDirection;
+        return m.direction.dot(direction) > kOneMainDirection;
       });
       if (same == merged.end()) {
         merged.push_back({direction, area, {}});

@@ -41,7 +41,7 @@ constexpr std::array<const char*, kRejections> kReasons = {
 double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 // A pair of segments of similar area; the source's plane is turned where its side is unknown.
-struct Candidate {
+struct PlanePair {
   std::int32_t target, source;
   Eigen::Vector3d target_normal, source_normal;
   double area_product, area_sum;
@@ -68,17 +68,17 @@ class Search {
  private:
   void CollectCandidates();
   void AddCandidate(std::int32_t t, std::int32_t s);
-  bool AnglesAgree(const Candidate& a, const Candidate& b);
+  bool AnglesAgree(const PlanePair& a, const PlanePair& b);
   bool Upright(const Eigen::Matrix3d& rotation);
-  bool ThirdAgrees(const Candidate& a, const Candidate& b, const Candidate& c,
+  bool ThirdAgrees(const PlanePair& a, const PlanePair& b, const PlanePair& c,
                    const Eigen::Matrix3d& rotation);
   void SearchFrom(std::size_t i, std::size_t j);
-  void TryTriplet(const std::array<const Candidate*, 3>& three);
-  void TryPair(const Candidate& a, const Candidate& b);
-  bool Overlap(const Candidate& c, const Motion& motion) const;
-  std::vector<const Candidate*> Grow(const Motion& motion) const;
+  void TryTriplet(const std::array<const PlanePair*, 3>& three);
+  void TryPair(const PlanePair& a, const PlanePair& b);
+  bool Overlap(const PlanePair& c, const Motion& motion) const;
+  std::vector<const PlanePair*> Grow(const Motion& motion) const;
   void Keep(const Motion& motion);
-  Motion Estimate(const std::vector<const Candidate*>& pairs) const;
+  Motion Estimate(const std::vector<const PlanePair*>& pairs) const;
   XiaoSolution MakeSolution(const Motion& motion) const;
   void Choose();
   void Explain();
@@ -89,7 +89,7 @@ class Search {
   const XiaoOptions& options_;
   const double cos_least_, sin_least_, cos_same_, cos_side_;
   std::vector<PlaneBox> target_boxes_, source_boxes_;
-  std::vector<Candidate> candidates_;
+  std::vector<PlanePair> candidates_;
   std::vector<Ranked> ranked_;
   std::array<std::size_t, kRejections> rejected_{};
   bool pairs_only_ = false;
@@ -135,7 +135,7 @@ void Search::CollectCandidates() {
   result_.area_pairs = candidates_.size();
 }
 
-bool Search::AnglesAgree(const Candidate& a, const Candidate& b) {
+bool Search::AnglesAgree(const PlanePair& a, const PlanePair& b) {
   if (a.target == b.target || a.source == b.source) return Reject(kSameSegment);
   const double t = a.target_normal.dot(b.target_normal), s = a.source_normal.dot(b.source_normal);
   if (std::max(std::abs(t), std::abs(s)) > cos_least_) return Reject(kParallel);
@@ -148,12 +148,12 @@ bool Search::Upright(const Eigen::Matrix3d& rotation) {
   return rotation(2, 2) >= cos_side_ || Reject(kTilted);
 }
 
-Eigen::Matrix3d RotationOfTwo(const Candidate& a, const Candidate& b) {
+Eigen::Matrix3d RotationOfTwo(const PlanePair& a, const PlanePair& b) {
   return ProjectToRotation(a.target_normal * a.source_normal.transpose() +
                            b.target_normal * b.source_normal.transpose());
 }
 
-bool Search::ThirdAgrees(const Candidate& a, const Candidate& b, const Candidate& c,
+bool Search::ThirdAgrees(const PlanePair& a, const PlanePair& b, const PlanePair& c,
                          const Eigen::Matrix3d& rotation) {
   if (c.target == a.target || c.target == b.target || c.source == a.source ||
       c.source == b.source) {
@@ -166,15 +166,15 @@ bool Search::ThirdAgrees(const Candidate& a, const Candidate& b, const Candidate
   return true;
 }
 
-bool Search::Overlap(const Candidate& c, const Motion& motion) const {
+bool Search::Overlap(const PlanePair& c, const Motion& motion) const {
   return BoxesOverlap(target_boxes_[c.target], source_boxes_[c.source], motion.rotation,
                       motion.translation, options_.overlap_tolerance);
 }
 
-void Search::TryTriplet(const std::array<const Candidate*, 3>& three) {
+void Search::TryTriplet(const std::array<const PlanePair*, 3>& three) {
   Motion motion;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), rows;
-  for (const Candidate* c : three) sum += c->target_normal * c->source_normal.transpose();
+  for (const PlanePair* c : three) sum += c->target_normal * c->source_normal.transpose();
   motion.rotation = ProjectToRotation(sum);
   Eigen::Vector3d heights;
   for (int k = 0; k < 3; ++k) {
@@ -189,7 +189,7 @@ void Search::TryTriplet(const std::array<const Candidate*, 3>& three) {
     return;
   }
   const bool overlap = std::all_of(three.begin(), three.end(),
-                                   [&](const Candidate* c) { return Overlap(*c, motion); });
+                                   [&](const PlanePair* c) { return Overlap(*c, motion); });
   if (!overlap) {
     Reject(kNoOverlap);
     return;
@@ -201,12 +201,12 @@ void Search::Keep(const Motion& motion) {
   if (++result_.triplets >= options_.most_triplets) result_.capped = true;
   const auto pairs = Grow(motion);
   double product = 0.0;
-  for (const Candidate* c : pairs) product += c->area_product;
+  for (const PlanePair* c : pairs) product += c->area_product;
   ranked_.push_back({motion, pairs.size(), product});
 }
 
 // Two planes fix the rotation and two directions of translation; the third stays at zero.
-void Search::TryPair(const Candidate& a, const Candidate& b) {
+void Search::TryPair(const PlanePair& a, const PlanePair& b) {
   Motion motion;
   motion.rotation = RotationOfTwo(a, b);
   if (!Upright(motion.rotation)) return;
@@ -221,7 +221,7 @@ void Search::TryPair(const Candidate& a, const Candidate& b) {
 }
 
 void Search::SearchFrom(std::size_t i, std::size_t j) {
-  const Candidate &a = candidates_[i], &b = candidates_[j];
+  const PlanePair &a = candidates_[i], &b = candidates_[j];
   if (!AnglesAgree(a, b)) return;
   if (pairs_only_) {
     TryPair(a, b);
@@ -235,9 +235,9 @@ void Search::SearchFrom(std::size_t i, std::size_t j) {
 }
 
 // All pairs that agree with the motion, one to one: the nearer centroids win.
-std::vector<const Candidate*> Search::Grow(const Motion& motion) const {
-  std::vector<std::pair<double, const Candidate*>> found;
-  for (const Candidate& c : candidates_) {
+std::vector<const PlanePair*> Search::Grow(const Motion& motion) const {
+  std::vector<std::pair<double, const PlanePair*>> found;
+  for (const PlanePair& c : candidates_) {
     if (c.target_normal.dot(motion.rotation * c.source_normal) < cos_same_) continue;
     const Eigen::Vector3d apart = motion.rotation * source_.planes[c.source].centroid() +
                                   motion.translation - target_.planes[c.target].centroid();
@@ -246,9 +246,9 @@ std::vector<const Candidate*> Search::Grow(const Motion& motion) const {
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<const Candidate*> pairs;
+  std::vector<const PlanePair*> pairs;
   for (const auto& [distance, c] : found) {
-    const bool taken = std::any_of(pairs.begin(), pairs.end(), [c = c](const Candidate* p) {
+    const bool taken = std::any_of(pairs.begin(), pairs.end(), [c = c](const PlanePair* p) {
       return p->target == c->target || p->source == c->source;
     });
     if (!taken) pairs.push_back(c);
@@ -257,10 +257,10 @@ std::vector<const Candidate*> Search::Grow(const Motion& motion) const {
 }
 
 // Rotation weighted by the sum of areas, translation by a rank-revealing QR.
-Motion Search::Estimate(const std::vector<const Candidate*>& pairs) const {
+Motion Search::Estimate(const std::vector<const PlanePair*>& pairs) const {
   Motion motion;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const Candidate* c : pairs) {
+  for (const PlanePair* c : pairs) {
     sum += c->area_sum * c->target_normal * c->source_normal.transpose();
   }
   motion.rotation = ProjectToRotation(sum);
@@ -284,7 +284,7 @@ XiaoSolution Search::MakeSolution(const Motion& motion) const {
   XiaoSolution solution;
   solution.target_from_source = {Eigen::Quaterniond(motion.rotation).normalized(),
                                  motion.translation};
-  for (const Candidate* c : Grow(motion)) {
+  for (const PlanePair* c : Grow(motion)) {
     solution.pairs.push_back({c->target, c->source});
     solution.area_product += c->area_product;
   }

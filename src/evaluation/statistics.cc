@@ -8,7 +8,7 @@
 namespace planegraph {
 namespace {
 
-double Median(std::vector<double>* values) {
+double MedianInPlace(std::vector<double>* values) {
   const std::size_t half = values->size() / 2;
   std::nth_element(values->begin(), values->begin() + half, values->end());
   const double upper = (*values)[half];
@@ -33,7 +33,7 @@ Statistics Summarize(std::vector<double> values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   result.min = *low;
   result.max = *high;
-  result.median = Median(&values);
+  result.median = MedianInPlace(&values);
   return result;
 }
 

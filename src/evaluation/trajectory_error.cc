@@ -41,7 +41,7 @@ std::vector<Eigen::Vector3d> Positions(const std::vector<MatrixPose>& poses) {
 }
 
 // Root mean square spread of the positions along their two widest directions.
-std::pair<double, double> Spread(const std::vector<Eigen::Vector3d>& positions) {
+std::pair<double, double> SpreadAlongAndAcross(const std::vector<Eigen::Vector3d>& positions) {
   Moments moments;
   for (const auto& p : positions) moments.Add(p);
   const Eigen::Vector3d values =
@@ -65,7 +65,7 @@ double Misfit(const Sim3& target_from_source, const std::vector<Eigen::Vector3d>
 constexpr double kLineRatio = 0.01, kLineWidth = 0.05, kLineMisfits = 3.0;
 
 bool IsLine(const std::vector<Eigen::Vector3d>& positions, double misfit) {
-  const auto [along, across] = Spread(positions);
+  const auto [along, across] = SpreadAlongAndAcross(positions);
   return across < kLineRatio * along && across < std::max(kLineWidth, kLineMisfits * misfit);
 }
 

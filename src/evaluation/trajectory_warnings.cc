@@ -5,16 +5,14 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <numbers>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/median.h"
 #include "planegraph/geometry/moments.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 [[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...) {
   char text[512];
@@ -119,7 +117,8 @@ void WarnOfReading(const BetterReading& better, const std::string& file,
   if (!better.reading) return;
   warnings->push_back(
       file + ": the rotations between poses agree with the other trajectory to " +
-      Format("%.2f instead of %.2f degrees", kDegrees * better.angle, kDegrees * better.as_read) +
+      Format("%.2f instead of %.2f degrees", kDegreesPerRadian * better.angle,
+             kDegreesPerRadian * better.as_read) +
       " when its quaternions are read " + better.reading->name +
       "; TUM is qx qy qz qw, world from body. RPE and rotation errors mean nothing as they stand "
       "(convert 3DTK poses by planegraph convert)");
@@ -170,7 +169,8 @@ void WarnOfLine(const PosePairs& pairs, const AteResult& ate, std::vector<std::s
                "their errors are %.3g m",
                spread.along, error));
   } else if (AlignsPositions(ate)) {
-    const double sigma = kDegrees * error / std::sqrt(3.0 * static_cast<double>(ate.errors.count)) /
+    const double sigma = kDegreesPerRadian * error /
+                         std::sqrt(3.0 * static_cast<double>(ate.errors.count)) /
                          std::max(spread.across, 1e-12);
     if (sigma < kMostSigma) return;
     warnings->push_back(

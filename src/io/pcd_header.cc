@@ -12,9 +12,9 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-class HeaderParser {
+class PcdHeaderParser {
  public:
-  HeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
+  PcdHeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
 
   PcdHeader Parse() {
     std::string_view line;
@@ -173,7 +173,7 @@ std::size_t PcdHeader::PointValues() const {
 }
 
 PcdHeader ParsePcdHeader(std::string_view bytes, const std::string& file) {
-  return HeaderParser(bytes, file).Parse();
+  return PcdHeaderParser(bytes, file).Parse();
 }
 
 }  // namespace planegraph

@@ -10,9 +10,9 @@
 namespace planegraph {
 namespace {
 
-class HeaderParser {
+class PlyHeaderParser {
  public:
-  HeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
+  PlyHeaderParser(std::string_view bytes, const std::string& file) : lines_(bytes), file_(file) {}
 
   PlyHeader Parse() {
     std::string_view line;
@@ -123,7 +123,7 @@ std::size_t PlyElement::FixedBytes() const {
 }
 
 PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file) {
-  return HeaderParser(bytes, file).Parse();
+  return PlyHeaderParser(bytes, file).Parse();
 }
 
 std::optional<PlyHeader> ReadShortPlyHeader(std::istream* stream, const std::string& file) {

@@ -10,7 +10,7 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kBlockPoints = 16384;
+constexpr std::size_t kPositionsAtOnce = 16384;
 
 // The header of a file in the form that WriteCloud and MapPlyWriter give it: vertices first, binary
 // records of one size, floats beside an offset, nothing missing at the end.
@@ -55,7 +55,7 @@ std::optional<Cloud> ReadByBlocks(const std::string& path) {
   const auto header = PlainHeader(&stream, path);
   if (!header) return {};
   const PlyElement& vertex = header->elements.front();
-  std::vector<char> block(kBlockPoints * vertex.FixedBytes());
+  std::vector<char> block(kPositionsAtOnce * vertex.FixedBytes());
   PointColumns columns;
   columns.columns = PositionColumns(vertex, block.data());
   columns.offset = header->offset;
@@ -66,7 +66,7 @@ std::optional<Cloud> ReadByBlocks(const std::string& path) {
   cloud.viewpoint = header->viewpoint.value_or(Eigen::Vector3d::Zero());
   cloud.points.reserve(vertex.count);
   for (std::uint64_t have = 0; have < vertex.count; have += columns.count) {
-    columns.count = std::min<std::uint64_t>(kBlockPoints, vertex.count - have);
+    columns.count = std::min<std::uint64_t>(kPositionsAtOnce, vertex.count - have);
     const auto bytes = static_cast<std::streamsize>(columns.count * vertex.FixedBytes());
     if (!stream.read(block.data(), bytes)) return {};
     const Cloud part = AssembleCloud(columns);

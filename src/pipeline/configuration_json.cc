@@ -1,6 +1,6 @@
 #include "pipeline/configuration_json.h"
 
-#include <numbers>
+#include "planegraph/base/angles.h"
 
 namespace planegraph {
 namespace {
@@ -14,7 +14,6 @@ Json FiltersJson(const RobotSite& robot) {
 }
 
 Json NoiseJson(const OdometryNoise& noise) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   return {{"step", noise.step},         {"per_metre", noise.per_metre},
           {"scale", noise.scale},       {"step_deg", noise.step_rotation / kDegree},
           {"per_turn", noise.per_turn}, {"per_metre_deg", noise.rotation_per_metre / kDegree}};

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "pipeline/camera_sides.h"
+#include "pipeline/lap.h"
 #include "pipeline/map_tiles.h"
 #include "pipeline/model_frame.h"
 #include "planegraph/base/error.h"
@@ -14,10 +15,6 @@
 
 namespace planegraph {
 namespace {
-
-double Seconds(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::optional<Georeference> GeoreferenceMap(const Site& site, const DroneMapSite& map) {
   if (map.gps.empty() || map.cameras.empty()) return {};
@@ -113,7 +110,7 @@ bool SegmentWhole(const DroneMapSite& source, int threads, MapRecord* map) {
   cloud.viewpoint -= cloud.offset;
   cloud.offset.setZero();
   map->points = cloud.size();
-  map->seconds_read = Seconds(start);
+  map->seconds_read = SecondsSince(start);
   start = std::chrono::steady_clock::now();
   MapSegmentationOptions options;
   options.segmentation = VisionOptions(cloud);
@@ -123,7 +120,7 @@ bool SegmentWhole(const DroneMapSite& source, int threads, MapRecord* map) {
     map->planes = std::move(segmentation.planes);
     map->labels = std::move(segmentation.labels);
   });
-  map->seconds_segment = Seconds(start);
+  map->seconds_segment = SecondsSince(start);
   return !cloud.normals.empty();
 }
 
@@ -141,7 +138,7 @@ bool SegmentInTiles(const DroneMapSite& source, int threads, const MapMemory& me
   TakeOffsetIn(tiled.shift, map);
   map->tiles = tiled.tiles;
   map->points = tiled.tiles->Points();
-  map->seconds_read = Seconds(start);
+  map->seconds_read = SecondsSince(start);
   start = std::chrono::steady_clock::now();
   MapSegmentationOptions options;
   options.segmentation = VisionOptions(tiled.density);
@@ -152,7 +149,7 @@ bool SegmentInTiles(const DroneMapSite& source, int threads, const MapMemory& me
                                  map->tiles->WriteLabels(tile, labels);
                                });
   });
-  map->seconds_segment = Seconds(start);
+  map->seconds_segment = SecondsSince(start);
   return tiled.tiles->has_normals();
 }
 
@@ -202,7 +199,7 @@ MapRecord PrepareMap(const Site& site, std::size_t index, int threads,
     OrientByCameras(CameraCentres(source.cameras, map.metric_from_map), threads, &map.planes);
   }
   if (const auto warning = ModelFrameWarning(source, map)) warnings->push_back(*warning);
-  map.seconds_segment += Seconds(start);
+  map.seconds_segment += SecondsSince(start);
   return map;
 }
 

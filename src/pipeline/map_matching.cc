@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "pipeline/lap.h"
 #include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
@@ -22,10 +23,6 @@ constexpr double kMostOff = 0.15;       // metres: walls and roofs are thicker
 constexpr double kMostTurned = 0.0175;  // radians
 constexpr double kFoundScaleSigma = 0.003;
 constexpr double kMostSigma = 0.1;  // metres, of a registration that stands by itself
-
-double Seconds(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // The rigid motion nearest to a similarity about a point of the source.
 Rigid3 RigidNear(const Sim3& similarity, const Eigen::Vector3d& about) {
@@ -217,7 +214,7 @@ void Placer::Run(std::vector<MapPairRecord>* records) {
         record.scan = scan;
         record.status = location.status;
         record.reason = location.reason;
-        record.seconds = Seconds(start) / static_cast<double>(group.scans.size());
+        record.seconds = SecondsSince(start) / static_cast<double>(group.scans.size());
         records->push_back(std::move(record));
       }
     }
@@ -269,7 +266,7 @@ MapPairRecord RegisterToMap(const ScanModel& scan, const MapModel& map,
   record.correspondences =
       CountPlanes(MapCorrespondences(map, scan, record.refinement.map_from_group, gate));
   Decide(metric_from_scan, &record);
-  record.seconds = Seconds(start);
+  record.seconds = SecondsSince(start);
   return record;
 }
 

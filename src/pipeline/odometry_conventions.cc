@@ -15,7 +15,7 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kLeastSteps = 3;
+constexpr std::size_t kLeastSpeakingSteps = 3;
 
 // One in a million of good odometry is farther off, as for contradictions.
 double MostChi2() { return ChiSquareQuantile(1.0 - 1e-6, 3); }
@@ -153,7 +153,7 @@ void Explainer::Try(const FileConventions& conventions, std::optional<Explanatio
     const bool speaks = agree[k] && WentSomewhere(steps_[k].registered);
     ++(speaks ? speaking : other);
   }
-  if (speaking < kLeastSteps || speaking <= other) return;
+  if (speaking < kLeastSpeakingSteps || speaking <= other) return;
   if (!*best || total > (*best)->steps) *best = Explanation{conventions, total};
 }
 
@@ -183,7 +183,7 @@ std::optional<Explanation> Explainer::Find() const {
 
 // ---- in words ----
 
-std::string Number(double value) {
+std::string TextOfNumber(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.4g", value);
   return text;
@@ -193,7 +193,7 @@ std::string UnitInWords(double metres) {
   for (const Unit& unit : kUnits) {
     if (unit.metres == metres) return "in " + std::string(unit.name);
   }
-  return "with " + Number(metres) + " m per unit";
+  return "with " + TextOfNumber(metres) + " m per unit";
 }
 
 struct Words {
@@ -214,7 +214,7 @@ Words InWords(const FileConventions& conventions) {
     Add("with other axes (our x,y,z being its " + axes + ")", "--axes=" + axes, &words);
   }
   if (conventions.scale != 1.0) {
-    Add(UnitInWords(conventions.scale), "--scale=" + Number(conventions.scale), &words);
+    Add(UnitInWords(conventions.scale), "--scale=" + TextOfNumber(conventions.scale), &words);
   }
   return words;
 }
@@ -246,8 +246,8 @@ std::optional<std::string> LengthText(std::size_t robot, const Site& site,
     too_long += lengths.back() > reaches.back() ? 1 : 0;
   }
   if (2 * too_long <= lengths.size()) return std::nullopt;
-  return NameOf(site.robots[robot]) + " has steps of " + Number(Median(std::move(lengths))) +
-         " m (median) between scans that reach " + Number(Median(std::move(reaches)) / 2.0) +
+  return NameOf(site.robots[robot]) + " has steps of " + TextOfNumber(Median(std::move(lengths))) +
+         " m (median) between scans that reach " + TextOfNumber(Median(std::move(reaches)) / 2.0) +
          " m: is its unit the metre? Of millimetres planegraph convert --scale=0.001 makes metres";
 }
 

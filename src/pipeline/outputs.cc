@@ -14,7 +14,7 @@
 namespace planegraph {
 namespace {
 
-std::string Number(std::size_t index) {
+std::string ThreeDigits(std::size_t index) {
   char text[32];
   std::snprintf(text, sizeof(text), "%03zu", index);
   return text;
@@ -29,7 +29,7 @@ void WriteTrajectories(const MapResult& result, const std::string& folder) {
       trajectory.times.push_back(result.scans[i].time);
       trajectory.poses.push_back(result.solution.world_from_scan[i]);
       Write3dtkFrames(
-          folder + "/frames/" + robot + "/scan" + Number(result.scans[i].index) + ".frames",
+          folder + "/frames/" + robot + "/scan" + ThreeDigits(result.scans[i].index) + ".frames",
           trajectory.poses.back());
     }
     WriteTum(folder + "/trajectory_" + robot + ".tum", trajectory);
@@ -86,9 +86,9 @@ void WritePlaneFiles(const MapResult& result, const OutputOptions& options) {
   CreateFolder(folder);
   ParallelFor(result.scans.size(), options.threads, [&](std::size_t i) {
     const ScanRecord& scan = result.scans[i];
-    WritePlanes(
-        folder + "/" + result.site.robots[scan.robot].name + "_" + Number(scan.index) + ".json",
-        scan.planes);
+    WritePlanes(folder + "/" + result.site.robots[scan.robot].name + "_" + ThreeDigits(scan.index) +
+                    ".json",
+                scan.planes);
   });
 }
 

@@ -11,6 +11,7 @@
 
 #include "pipeline/true_scale.h"
 #include "pipeline/yaml_reader.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/base/error.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/io/gps_io.h"
@@ -210,7 +211,6 @@ std::optional<GravityPrior> SiteReader::Gravity(const YAML::Node& node) const {
 }
 
 OdometryNoise SiteReader::Noise(const YAML::Node& node) const {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   OdometryNoise noise;
   const std::map<std::string, std::pair<double*, double>> fields = {
       {"step", {&noise.step, 1.0}},

@@ -183,13 +183,13 @@ void LiftedGraph<Dim>::Assemble(const std::vector<MatrixXd>& bases, bool newton,
 template <int Dim>
 void LiftedGraph<Dim>::Minimize() {
   constexpr int kMostSteps = 200;
-  constexpr double kRest = 1e-9, kMostDamping = 1e9;
+  constexpr double kRest = 1e-9, kTooMuchDamping = 1e9;
   const int size = Dim * (Dim - 1) / 2 + (rank_ - Dim) * Dim + rank_;
   BlockCholesky hessian(pattern_, size);
   MatrixXd gradient(x_.size() * size, 1);
   double cost = Objective(), damping = 1e-3;
   bool newton = true;
-  for (int step = 0; step < kMostSteps && damping < kMostDamping; ++step) {
+  for (int step = 0; step < kMostSteps && damping < kTooMuchDamping; ++step) {
     std::vector<MatrixXd> bases;
     for (const MatrixXd& x : x_) bases.push_back(TangentBasis(x));
     Assemble(bases, newton, damping, &hessian, &gradient);

@@ -13,17 +13,17 @@ namespace planegraph {
 namespace {
 
 // Variance that stands for "nothing is known": a kilometre, or a thousand radians.
-constexpr double kNothing = 1e6;
+constexpr double kUnheldVariance = 1e6;
 // Share of the largest singular value below which a rotation is free.
 constexpr double kFree = 1e-9;
 
-// Inverse of a symmetric positive semidefinite matrix whose null space gets kNothing.
+// Inverse of a symmetric positive semidefinite matrix whose null space gets kUnheldVariance.
 Eigen::Matrix3d InverseOrNothing(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-  const double least = std::max(1e-12 * eigen.eigenvalues()[2], 1.0 / kNothing);
+  const double least = std::max(1e-12 * eigen.eigenvalues()[2], 1.0 / kUnheldVariance);
   Eigen::Vector3d variances;
   for (int k = 0; k < 3; ++k) {
-    variances[k] = eigen.eigenvalues()[k] > least ? 1.0 / eigen.eigenvalues()[k] : kNothing;
+    variances[k] = eigen.eigenvalues()[k] > least ? 1.0 / eigen.eigenvalues()[k] : kUnheldVariance;
   }
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
@@ -160,7 +160,8 @@ void TranslationSystem::Truncate(const std::optional<TranslationPrior>& prior,
     inverse += v * v.transpose() / std::pow(solution->singular_values[k], 2);
     open -= v * v.transpose();
   }
-  const Eigen::Matrix3d held = prior ? prior->covariance : kNothing * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d held =
+      prior ? prior->covariance : kUnheldVariance * Eigen::Matrix3d::Identity();
   solution->translation = inverse * right_;
   if (prior) solution->translation += open * prior->translation;
   solution->covariance = inverse * RowNoise() * inverse + open * held * open;
@@ -202,7 +203,7 @@ UnobservedDirection MakeOpen(int first, const Eigen::Vector3d& axis, const Matri
   open.direction.setZero();
   open.direction.segment<3>(first) = axis;
   const double variance = open.direction.dot(covariance * open.direction);
-  const bool held = variance < 0.01 * kNothing;
+  const bool held = variance < 0.01 * kUnheldVariance;
   open.sigma = held ? std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
   if (held) open.held_by = held_by;
   return open;

@@ -13,7 +13,7 @@
 namespace planegraph {
 namespace {
 
-constexpr int kSamples = 1000;
+constexpr int kRobustSamples = 1000;
 constexpr std::size_t kLeastCameras = 3;
 
 template <typename... Values>
@@ -73,7 +73,7 @@ class ClockSearch {
     return std::cbrt(fit.sigma_horizontal * fit.sigma_horizontal * fit.sigma_vertical);
   }
   CorrelatedFit Fit(const std::vector<PositionPair>& pairs) const {
-    const RobustFit robust = FitRobustly(pairs, prior_, options_.seed, kSamples);
+    const RobustFit robust = FitRobustly(pairs, prior_, options_.seed, kRobustSamples);
     std::vector<PositionPair> inliers;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (robust.inlier[i]) inliers.push_back(pairs[i]);
@@ -162,7 +162,7 @@ class Georeferencer {
     result_.world_from_map = AlignAsThePaper(pairs_);
   }
   void FitRobust() {
-    const RobustFit robust = FitRobustly(pairs_, prior_, options_.seed, kSamples);
+    const RobustFit robust = FitRobustly(pairs_, prior_, options_.seed, kRobustSamples);
     inlier_ = robust.inlier;
     if (Inliers().size() < kLeastCameras) {
       result_.reason = "no three positions agree on one similarity";

@@ -45,7 +45,7 @@ std::vector<Triple> Triples(std::size_t count, std::uint64_t seed, int samples) 
   return triples;
 }
 
-double Median(std::vector<double>* values) {
+double UpperMedian(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
   return *middle;
@@ -78,7 +78,7 @@ double MedianDistance(const std::vector<PositionPair>& pairs, const Sim3& world_
   for (const auto& pair : pairs) {
     buffer->push_back(SquaredDistance(Residual(world_from_map, pair), 1.0, ratio));
   }
-  return Median(buffer);
+  return UpperMedian(buffer);
 }
 
 // The sample whose similarity leaves the least median distance; all pairs where no sample is
@@ -152,13 +152,14 @@ class RobustFitter {
       vertical.push_back(std::abs(residual.z()));
     }
     if (!prior_.vertical_differs) {
-      const double sigma = std::max(std::sqrt(Median(&all) / kMedian3) * small_sample_, floor);
+      const double sigma = std::max(std::sqrt(UpperMedian(&all) / kMedian3) * small_sample_, floor);
       fit_.sigma_horizontal = fit_.sigma_vertical = sigma;
       return;
     }
     fit_.sigma_horizontal =
-        std::max(std::sqrt(Median(&horizontal) / kMedian2) * small_sample_, floor);
-    const double measured = std::max(Median(&vertical) / kMedianMagnitude * small_sample_, floor);
+        std::max(std::sqrt(UpperMedian(&horizontal) / kMedian2) * small_sample_, floor);
+    const double measured =
+        std::max(UpperMedian(&vertical) / kMedianMagnitude * small_sample_, floor);
     fit_.sigma_vertical = BlendedVertical(measured);
   }
   // The measured noise of the heights, held near the usual ratio as if by four more pairs.

@@ -44,7 +44,7 @@ struct Ratio {
 };
 
 // One set of noise parameters with its posterior weight.
-struct Candidate {
+struct CorrelationCandidate {
   Correlation correlation;
   double ratio = 1.0;     // of the vertical to the horizontal standard deviation
   double variance = 0.0;  // of a horizontal axis
@@ -153,8 +153,9 @@ double Freedom(const LinearSystem& system) {
 }
 
 // The variance and the restricted likelihood of one set of noise parameters.
-Candidate Evaluate(const LinearSystem& system, const WhitenedSystem& whitened,
-                   const Correlation& correlation, const Ratio& ratio, double least_variance) {
+CorrelationCandidate Evaluate(const LinearSystem& system, const WhitenedSystem& whitened,
+                              const Correlation& correlation, const Ratio& ratio,
+                              double least_variance) {
   const Gram gram = whitened.products.Weighted(ratio.value);
   const int p = system.parameters;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(NormalMatrix(gram, p));
@@ -162,7 +163,7 @@ Candidate Evaluate(const LinearSystem& system, const WhitenedSystem& whitened,
   const double squares = gram(kResidual, kResidual) - right.dot(cholesky.solve(right));
   const double log_normal = 2.0 * cholesky.matrixLLT().diagonal().array().log().sum();
   const double count = static_cast<double>(system.rows.size()), freedom = Freedom(system);
-  Candidate result{correlation, ratio.value};
+  CorrelationCandidate result{correlation, ratio.value};
   result.variance = std::max(squares / freedom, least_variance);
   result.log_weight = ratio.log_prior + std::log(correlation.prior) -
                       0.5 * (freedom * std::log(result.variance) + 3.0 * whitened.log_determinant +
@@ -171,9 +172,10 @@ Candidate Evaluate(const LinearSystem& system, const WhitenedSystem& whitened,
 }
 
 // All sets of noise parameters, their weights summing to one.
-std::vector<Candidate> Candidates(const LinearSystem& system, const CorrelationOptions& options,
-                                  double least_variance) {
-  std::vector<Candidate> candidates;
+std::vector<CorrelationCandidate> Candidates(const LinearSystem& system,
+                                             const CorrelationOptions& options,
+                                             double least_variance) {
+  std::vector<CorrelationCandidate> candidates;
   for (const Correlation& correlation : CorrelationGrid(options)) {
     const WhitenedSystem whitened = Whiten(system, correlation);
     for (const Ratio& ratio : RatioGrid(options.prior)) {
@@ -192,7 +194,7 @@ struct Noise {
   double variance_horizontal = 0.0, variance_vertical = 0.0, ratio = 1.0;
 };
 
-Noise AverageNoise(const std::vector<Candidate>& candidates) {
+Noise AverageNoise(const std::vector<CorrelationCandidate>& candidates) {
   Noise noise;
   double log_ratio = 0.0;
   for (const auto& c : candidates) {
@@ -212,7 +214,7 @@ double StudentFactor(double freedom) {
 
 // The sum of J^T W C W J over the axes, C the covariance of the positions' noise and W the weights
 // of the fit; averaged over the candidates.
-Gram AverageScore(const LinearSystem& system, const std::vector<Candidate>& candidates,
+Gram AverageScore(const LinearSystem& system, const std::vector<CorrelationCandidate>& candidates,
                   double ratio) {
   constexpr double kNegligible = 1e-6;
   const double vertical_weight = std::pow(ratio, -4);
@@ -261,7 +263,7 @@ class Solution {
   }
 
   const LinearSystem& system_;
-  std::vector<Candidate> candidates_;
+  std::vector<CorrelationCandidate> candidates_;
   Noise noise_;
   Products white_;
   Gram gram_;

@@ -11,9 +11,9 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kSamples = 256;  // of each scan
-constexpr double kPierceMargin = 0.7;  // metres that a beam must go on beyond a surface
-constexpr double kViewRadius = 25.0;   // metres about a scan in which the map is looked through
+constexpr std::size_t kEvidenceSamples = 256;  // of each scan
+constexpr double kPierceMargin = 0.7;          // metres that a beam must go on beyond a surface
+constexpr double kViewRadius = 25.0;  // metres about a scan in which the map is looked through
 constexpr std::size_t kMostViewed = 600;
 // Of the surfaces that the map speaks about, the share that it contradicts at a right pose: things
 // that moved, errors of the map. Where the map's frame does not say which way is up, every miss is
@@ -97,7 +97,7 @@ std::vector<Agreements> CompareSurfaces(const MapModel& map, const ScanGroup& gr
   const double share_of_scan = 1.0 / static_cast<double>(group.scans.size());
   const Eigen::Matrix3d rotation = map_from_group.rotation.toRotationMatrix();
   Blocks blocks;
-  for (const GroupSample& s : SamplesOf(group, kSamples)) {
+  for (const GroupSample& s : SamplesOf(group, kEvidenceSamples)) {
     const Eigen::Vector3d normal = rotation * s.normal, place = map_from_group * s.mean;
     const Eigen::Matrix3d share = s.weight * normal * normal.transpose();
     const double weight = share_of_scan * s.weight;

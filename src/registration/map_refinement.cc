@@ -13,9 +13,9 @@ namespace planegraph {
 namespace {
 
 // From this gate on the association is good enough to measure how well surfaces agree.
-constexpr double kCalibrationGate = 0.3;
+constexpr double kMapCalibrationGate = 0.3;
 // Information that stands for none: a standard deviation of a kilometre, or of 1000 radians.
-constexpr double kNothing = 1e-6;
+constexpr double kMapRidge = 1e-6;
 constexpr double kLeastFloor = 0.005;  // metres
 
 // The median of squares of a normal distribution is 0.455 of its variance.
@@ -47,9 +47,9 @@ std::vector<GroupSample> Surfels(const ScanGroup& group, std::size_t most) {
   return samples;
 }
 
-class Refiner {
+class MapRefiner {
  public:
-  Refiner(const MapModel& map, const ScanGroup& group, const MapRefinementOptions& options)
+  MapRefiner(const MapModel& map, const ScanGroup& group, const MapRefinementOptions& options)
       : map_(map),
         group_(group),
         options_(options),
@@ -79,7 +79,7 @@ Vector7d Jacobian(const Sim3& pose, const MapResidual& r) {
   return jacobian;
 }
 
-std::vector<MapResidual> Refiner::Associate(const Sim3& pose, double gate) const {
+std::vector<MapResidual> MapRefiner::Associate(const Sim3& pose, double gate) const {
   std::vector<MapResidual> residuals;
   // A wide gate goes with a rotation that is off, too.
   const double least_cosine = gate > 0.3 ? 0.9 : 0.94;
@@ -96,8 +96,8 @@ std::vector<MapResidual> Refiner::Associate(const Sim3& pose, double gate) const
   return residuals;
 }
 
-Vector7d Refiner::Step(const Sim3& pose, const std::vector<MapResidual>& residuals, double gate,
-                       double floor_variance) const {
+Vector7d MapRefiner::Step(const Sim3& pose, const std::vector<MapResidual>& residuals, double gate,
+                          double floor_variance) const {
   Matrix7d information = Matrix7d::Zero();
   Vector7d gradient = Vector7d::Zero();
   for (const MapResidual& r : residuals) {
@@ -123,11 +123,11 @@ Vector7d Refiner::Step(const Sim3& pose, const std::vector<MapResidual>& residua
 }
 
 // Surfaces of one block err together: their information adds up to that of the block's mean.
-Matrix7d Refiner::Covariance(const Sim3& pose, const std::vector<MapResidual>& residuals) const {
+Matrix7d MapRefiner::Covariance(const Sim3& pose, const std::vector<MapResidual>& residuals) const {
   const MapErrors errors = MeasureMapErrors(residuals);
   std::map<std::uint64_t, double> count;
   for (const auto& r : residuals) count[MapBlock(r.place, r.normal)] += 1.0;
-  Matrix7d information = kNothing * Matrix7d::Identity();
+  Matrix7d information = kMapRidge * Matrix7d::Identity();
   for (const auto& r : residuals) {
     const double in_block = count[MapBlock(r.place, r.normal)];
     const double variance = std::max({r.variance, errors.sigma * errors.sigma,
@@ -139,12 +139,12 @@ Matrix7d Refiner::Covariance(const Sim3& pose, const std::vector<MapResidual>& r
   return information.ldlt().solve(Matrix7d::Identity());
 }
 
-MapRefinement Refiner::Run(Sim3 pose) const {
+MapRefinement MapRefiner::Run(Sim3 pose) const {
   MapRefinement result;
   double gate = options_.first_gate, floor = kLeastFloor * kLeastFloor;
   for (; result.iterations < options_.most_iterations; ++result.iterations) {
     const auto residuals = Associate(pose, gate);
-    if (gate <= kCalibrationGate) {
+    if (gate <= kMapCalibrationGate) {
       floor = std::max(kLeastFloor * kLeastFloor,
                        RobustVariance(residuals) - MedianVariance(residuals));
     }
@@ -205,7 +205,7 @@ MapErrors MeasureMapErrors(const std::vector<MapResidual>& residuals) {
 
 MapRefinement RefineInMap(const MapModel& map, const ScanGroup& group, const Sim3& map_from_group,
                           const MapRefinementOptions& options) {
-  return Refiner(map, group, options).Run(map_from_group);
+  return MapRefiner(map, group, options).Run(map_from_group);
 }
 
 }  // namespace planegraph

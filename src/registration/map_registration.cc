@@ -16,11 +16,11 @@ namespace planegraph {
 namespace {
 
 constexpr double kFirstBackground = 0.3;  // to find the best candidate, and so all others
-constexpr double kSameMetres = 2.0, kSameRadians = 0.1;
+constexpr double kNearMetres = 2.0, kNearRadians = 0.1;
 
 bool SamePose(const Sim3& a, const Sim3& b) {
-  return (a.translation - b.translation).norm() < kSameMetres &&
-         AngleBetween(a.rotation, b.rotation) < kSameRadians;
+  return (a.translation - b.translation).norm() < kNearMetres &&
+         AngleBetween(a.rotation, b.rotation) < kNearRadians;
 }
 
 // Of its evidence and of the start.

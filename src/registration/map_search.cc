@@ -19,7 +19,7 @@ constexpr std::size_t kMostAnchors = 4;
 constexpr double kRest = 0.002;
 // When the gate has come to its least, starts this near to each other end at the same place: a
 // small part of the gate.
-constexpr double kSameMetres = 0.03, kSameRadians = 0.003;  // and of log(scale)
+constexpr double kSameStartMetres = 0.03, kSameStartRadians = 0.003;  // and of log(scale)
 constexpr double kMostScaleSigmas = 5.0;
 
 // Share of agreement, quickly: for a first look at many hypotheses.
@@ -143,9 +143,9 @@ std::vector<std::size_t> FirstOfSame(const std::vector<Start>& starts) {
     const auto same = [&](const Start& other) {
       const Sim3 &a = starts[i].map_from_anchor, &b = other.map_from_anchor;
       return starts[i].anchor == other.anchor &&
-             (a.translation - b.translation).norm() < kSameMetres &&
-             AngleBetween(a.rotation, b.rotation) < kSameRadians &&
-             std::abs(std::log(a.scale / b.scale)) < kSameRadians;
+             (a.translation - b.translation).norm() < kSameStartMetres &&
+             AngleBetween(a.rotation, b.rotation) < kSameStartRadians &&
+             std::abs(std::log(a.scale / b.scale)) < kSameStartRadians;
     };
     first[i] =
         static_cast<std::size_t>(std::find_if(starts.begin(), starts.end(), same) - starts.begin());

@@ -10,7 +10,7 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kSamples = 256;  // of each scan
+constexpr std::size_t kRivalSamples = 256;  // of each scan
 constexpr double kRight = 0.9;
 const double kNine = std::log(kRight / (1.0 - kRight));
 constexpr double kFlat = 0.7;
@@ -25,7 +25,11 @@ bool InOnePlane(const GroupSample& wall, const GroupSample& other, double gate) 
 
 PoseRivals::PoseRivals(const MapModel& map, const ScanGroup& group, const Sim3& found, double gate,
                        double sigma)
-    : map_(map), pose_(found), gate_(gate), sigma_(sigma), samples_(SamplesOf(group, kSamples)) {
+    : map_(map),
+      pose_(found),
+      gate_(gate),
+      sigma_(sigma),
+      samples_(SamplesOf(group, kRivalSamples)) {
   FindBlocks();
   FindWalls();
   found_ = Ask(found, Eigen::Vector3d::Zero());

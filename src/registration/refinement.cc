@@ -19,7 +19,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 constexpr double kCalibrationGate = 0.15;
 
 // Information that stands for none: a standard deviation of a kilometre, or of 1000 radians.
-constexpr double kNothing = 1e-6;
+constexpr double kRidge = 1e-6;
 
 struct Normal {
   Matrix6d information = Matrix6d::Zero();  // with the robust weights
@@ -201,7 +201,7 @@ void Refiner::Summarize(Normal last, const Rigid3& pose, double floor, Refinemen
   for (const auto& [segment, sums] : last.by_segment) {
     shared += sums * variances.asDiagonal() * sums.transpose();
   }
-  const Matrix6d total = last.information + prior_information_ + kNothing * Matrix6d::Identity();
+  const Matrix6d total = last.information + prior_information_ + kRidge * Matrix6d::Identity();
   const Matrix6d inverse = total.ldlt().solve(Matrix6d::Identity());
   result->covariance = inverse + inverse * shared * inverse;
   for (const auto& [pair, count] : last.plane_pairs) {

@@ -7,14 +7,13 @@
 #include <limits>
 
 #include "planegraph/geometry/rotation.h"
+#include "registration/competing_poses.h"
 
 namespace planegraph {
 namespace {
 
 // A standard deviation that means "nothing is known".
 constexpr double kInfinite = 100.0;
-// Two poses nearer than this may be one basin of the refinement: they do not compete.
-constexpr double kSameMetres = 0.5, kSameRadians = 0.09;
 
 // A rotation known worse than this (radians) is tried from other starts, turned by kTurn.
 constexpr double kWeakEnoughToTurn = 0.002, kTurn = 0.1;
@@ -34,11 +33,6 @@ std::string Format(const char* format, double a, double b = 0.0) {
   char text[160];
   std::snprintf(text, sizeof(text), format, a, b);
   return text;
-}
-
-bool Compete(const Rigid3& a, const Rigid3& b) {
-  return (a.translation - b.translation).norm() > kSameMetres ||
-         AngleBetween(a.rotation, b.rotation) > kSameRadians;
 }
 
 double SupportGate(const Refinement& refinement, const RegistrationOptions& options) {

@@ -3,18 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planegraph/geometry/rotation.h"
+#include "registration/competing_poses.h"
 
 namespace planegraph {
 namespace {
 
-constexpr double kSameMetres = 0.5, kSameRadians = 0.09;
 constexpr double kAmbiguousShare = 0.9;
-
-bool Differ(const Rigid3& a, const Rigid3& b) {
-  return (a.translation - b.translation).norm() > kSameMetres ||
-         AngleBetween(a.rotation, b.rotation) > kSameRadians;
-}
 
 std::size_t CountLarge(const PlaneSet& set, double min_area) {
   return static_cast<std::size_t>(
@@ -47,7 +41,7 @@ double Rms(const std::vector<PlaneMatch>& matches, const Rigid3& target_from_sou
 
 const XiaoSolution* RunnerUp(const XiaoMatch& match) {
   for (std::size_t k = 1; k < match.solutions.size(); ++k) {
-    if (Differ(match.solutions[0].target_from_source, match.solutions[k].target_from_source)) {
+    if (Compete(match.solutions[0].target_from_source, match.solutions[k].target_from_source)) {
       return &match.solutions[k];
     }
   }

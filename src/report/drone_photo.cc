@@ -8,11 +8,11 @@
 namespace planegraph {
 namespace {
 
-constexpr double kMostPixels = 4e5;
-constexpr double kLeastPixel = 0.08;  ///< metres
+constexpr double kMostPhotoPixels = 4e5;
+constexpr double kLeastPhotoPixel = 0.08;  ///< metres
 constexpr double kPointsPerPixel = 1.5;
 constexpr int kFillRounds = 4;
-constexpr double kTop = 0.4;  ///< metres: points so near below the topmost one count
+constexpr double kTopLayer = 0.4;  ///< metres: points so near below the topmost one count
 
 // Lightness and two differences of colour, each in about [0, 255]: a palette spends its entries
 // better on them than on red, green and blue.
@@ -82,7 +82,7 @@ Photo TakePhoto(const Cloud& drone, const PlanView& view, double pixel) {
     photo.top[at] = std::max(photo.top[at], drone.points[i].z());
   });
   ForEachInView(drone, view, pixel, photo, [&](std::size_t i, std::size_t at) {
-    if (drone.points[i].z() < photo.top[at] - kTop) return;
+    if (drone.points[i].z() < photo.top[at] - kTopLayer) return;
     const Colour colour = FromRgb(drone.colors[i]);
     for (int c = 0; c < 3; ++c) photo.colours[at][c] += colour[c];
     photo.counts[at] += 1.0f;
@@ -176,8 +176,8 @@ DronePhoto DrawDronePhoto(const Cloud& drone, const PlanView& view) {
   const double shown = static_cast<double>(CountInView(drone, view));
   if (shown == 0.0) return picture;
   const double area = view.Extent().prod();
-  picture.pixel = std::max(
-      {kLeastPixel, std::sqrt(area / kMostPixels), std::sqrt(kPointsPerPixel * area / shown)});
+  picture.pixel = std::max({kLeastPhotoPixel, std::sqrt(area / kMostPhotoPixels),
+                            std::sqrt(kPointsPerPixel * area / shown)});
   Photo photo = TakePhoto(drone, view, picture.pixel);
   for (int i = 0; i < kFillRounds; ++i) FillHoles(&photo);
   Index(photo, &picture);

@@ -10,11 +10,11 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kMostPoints = 1500000;  ///< that are drawn of a map
+constexpr std::size_t kMostPlanPoints = 1500000;  ///< that are drawn of a map
 constexpr std::size_t kMostViewPoints = 100000;
-constexpr double kMostPixels = 1.2e6;
+constexpr double kMostPlanPixels = 1.2e6;
 constexpr double kLongestSide = 1600;
-constexpr double kLeastPixel = 0.05;  ///< metres; maps are thinned to about this
+constexpr double kLeastPlanPixel = 0.05;  ///< metres; maps are thinned to about this
 
 std::size_t Stride(const Cloud& map, std::size_t most) { return 1 + map.size() / most; }
 
@@ -154,7 +154,7 @@ LayerGrid SortIntoLayers(const Cloud& map, const PlanView& view) {
   const double pixel = PlanPixel(view);
   LayerGrid grid = EmptyGrid(view, pixel);
   const GroundModel ground(map, view);
-  const std::size_t stride = Stride(map, kMostPoints);
+  const std::size_t stride = Stride(map, kMostPlanPoints);
   for (std::size_t i = 0; i < map.size(); i += stride) {
     const Eigen::Vector3d p = map.Position(i);
     const Eigen::Vector2d page = view.OnPage(p.head<2>());
@@ -269,8 +269,8 @@ PlanView ChooseView(const Cloud& map, const std::vector<Eigen::Vector3d>& positi
 
 double PlanPixel(const PlanView& view) {
   const Eigen::Vector2d extent = view.Extent();
-  return std::max(
-      {kLeastPixel, extent.maxCoeff() / kLongestSide, std::sqrt(extent.prod() / kMostPixels)});
+  return std::max({kLeastPlanPixel, extent.maxCoeff() / kLongestSide,
+                   std::sqrt(extent.prod() / kMostPlanPixels)});
 }
 
 FloorPlan DrawFloorPlan(const Cloud& map, const PlanView& view) {

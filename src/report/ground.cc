@@ -7,12 +7,12 @@
 namespace planegraph {
 namespace {
 
-constexpr std::size_t kMostPoints = 200000;
+constexpr std::size_t kMostGroundPoints = 200000;
 constexpr std::size_t kLeastPerCell = 5;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknownHeight = std::numeric_limits<double>::quiet_NaN();
 
 double Quantile(std::vector<float>* values, double share) {
-  if (values->size() < kLeastPerCell) return kUnknown;
+  if (values->size() < kLeastPerCell) return kUnknownHeight;
   const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
   std::nth_element(values->begin(), values->begin() + k, values->end());
   return (*values)[static_cast<std::size_t>(k)];
@@ -38,7 +38,7 @@ GroundModel::GroundModel(const Cloud& map, const PlanView& view) : low_(view.low
 std::vector<std::vector<float>> GroundModel::SortIntoCells(const Cloud& map,
                                                            const PlanView& view) const {
   std::vector<std::vector<float>> cells(static_cast<std::size_t>(rows_ * columns_));
-  const std::size_t stride = 1 + map.size() / kMostPoints;
+  const std::size_t stride = 1 + map.size() / kMostGroundPoints;
   for (std::size_t i = 0; i < map.size(); i += stride) {
     const Eigen::Vector3d p = map.Position(i);
     const Eigen::Array2d at = (view.OnPage(p.head<2>()) - low_).array() / cell_;

@@ -12,13 +12,13 @@ std::string CorrespondencesText(const Json& r) {
 
 // The direction that a registration knows least of, with its standard deviation.
 std::string WeakestOf(const Json& r) {
-  constexpr double kUnknown = 100.0;  // metres: beyond, nothing but the solver's damping holds it
+  constexpr double kUnheld = 100.0;  // metres: beyond, nothing but the solver's damping holds it
   const auto covariance = CovarianceOf(r);
   if (!covariance) return kDash;
   const Weakest weakest = WeakestAxis(*covariance, 0);
   std::string axis;  // in one piece, wherever the line breaks
   for (int k = 0; k < 3; ++k) axis += (k > 0 ? ",\u00a0" : "") + Fixed(weakest.axis[k], 1);
-  return (weakest.sigma < kUnknown ? Fixed(1000.0 * weakest.sigma, 1) + "\u00a0mm" : "open") +
+  return (weakest.sigma < kUnheld ? Fixed(1000.0 * weakest.sigma, 1) + "\u00a0mm" : "open") +
          " along (" + axis + ")";
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "planegraph/base/angles.h"
 #include "report/html.h"
 
 namespace planegraph {
@@ -168,8 +169,7 @@ std::string InWords(const OpenDirection& open) {
 
 std::string HoldInWords(const OpenDirection& open) {
   if (!open.sigma) return "nothing holds it";
-  constexpr double kDegrees = 180.0 / M_PI;
-  const std::string sigma = open.is_rotation ? Significant(*open.sigma * kDegrees, 2) + "°"
+  const std::string sigma = open.is_rotation ? Significant(*open.sigma * kDegreesPerRadian, 2) + "°"
                                              : Significant(*open.sigma, 2) + "\u00a0m";
   const std::string holder = open.held_by == "gps" ? "GPS" : Escape(open.held_by);
   return "sigma " + sigma + (holder.empty() ? "" : " from " + holder);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planegraph/base/angles.h"
 #include "report/html.h"
 #include "report/marks_svg.h"
 #include "report/plot_svg.h"
@@ -8,8 +9,6 @@
 
 namespace planegraph {
 namespace {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 // A table of names and values; values are HTML.
 class Facts {
@@ -51,7 +50,7 @@ void AddErrors(const std::string& robot, const char* what, const Json& errors,
     cells.push_back(FixedOrDash(NumberAt(errors, {key}), 1, 1000.0));
   }
   for (const char* key : {"rmse", "max"}) {
-    cells.push_back(FixedOrDash(NumberAt(errors, {"rotation", key}), 3, kDegrees));
+    cells.push_back(FixedOrDash(NumberAt(errors, {"rotation", key}), 3, kDegreesPerRadian));
   }
   cells.push_back(conventions);
   table->Row(cells);
@@ -229,7 +228,7 @@ std::string SolveHtml(const ReportData& data) {
   facts.Add("observations of landmarks", GroupedOrDash(NumberAt(solve, {"observations"})));
   const auto offset = NumberAt(solve, {"floor_offset"}), tilt = NumberAt(solve, {"floor_tilt"});
   if (offset) facts.Add("noise floor, offset", Fixed(*offset * 1000.0, 2) + " mm");
-  if (tilt) facts.Add("noise floor, tilt", Fixed(*tilt * kDegrees, 4) + "°");
+  if (tilt) facts.Add("noise floor, tilt", Fixed(*tilt * kDegreesPerRadian, 4) + "°");
   const auto seconds = NumberAt(solve, {"seconds"});
   if (seconds) facts.Add("time", Fixed(*seconds, 3) + " s");
   return Section("Solve", CostPlot(solve) + facts.Html());

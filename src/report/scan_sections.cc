@@ -2,13 +2,12 @@
 #include <cmath>
 #include <set>
 
+#include "planegraph/base/angles.h"
 #include "report/html.h"
 #include "report/sections.h"
 
 namespace planegraph {
 namespace {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 // ---- open directions ----
 
@@ -207,7 +206,7 @@ void AddScan(const ReportData& data, const ReportScan& scan, const ScanTable& al
                                     GroupedOrDash(NumberAt(json, {"planes"})),
                                     PositionText(scan),
                                     SigmaText(scan, 0, 1000.0, 1),
-                                    SigmaText(scan, 3, kDegrees, 3),
+                                    SigmaText(scan, 3, kDegreesPerRadian, 3),
                                     SecondsText(json),
                                     WeakestText(scan, all)};
   if (!data.maps.empty()) cells.insert(cells.end() - 1, AnchorsText(json));

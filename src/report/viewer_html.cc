@@ -10,7 +10,7 @@
 namespace planegraph {
 namespace {
 
-constexpr int kCompressionLevel = 5;
+constexpr int kViewerCompression = 5;
 
 bool HasScene(const ReportData& data, const ViewerInput& input) {
   return !data.Positions().empty() || !input.sample.points.empty();
@@ -152,7 +152,7 @@ std::string ViewerScriptsHtml(const ReportData& data, const ViewerInput& input) 
   return "<script type=\"application/json\" id=\"viewer-scene\">" +
          ForScript(SceneJson(data, input, box, points)) +
          "</script>\n<script type=\"application/octet-stream\" id=\"viewer-points\">" +
-         Base64(Deflate(points.columns, kCompressionLevel)) +
+         Base64(Deflate(points.columns, kViewerCompression)) +
          "</script>\n<script type=\"module\">\n" + std::string(input.script) + "</script>\n";
 }
 

@@ -12,7 +12,7 @@ namespace planegraph {
 namespace {
 
 // With 12 bytes for a point, before compression, this keeps a report within a mail's size.
-constexpr std::size_t kMostPoints = 450000;
+constexpr std::size_t kMostViewerPoints = 450000;
 
 // Reads what the view needs and passes over the large rest (patches, masks, range images).
 Json ParseOutlines(const std::string& path) {
@@ -60,7 +60,7 @@ ViewerInput ReadViewerInput(const std::string& folder, const ReportData& data) {
   ViewerInput input;
   input.script = kViewerScript;
   if (input.script.empty()) return input;
-  input.sample = SampleMapPly(folder + "/map.ply", kMostPoints);
+  input.sample = SampleMapPly(folder + "/map.ply", kMostViewerPoints);
   input.planes.resize(data.scans.size());
   ParallelFor(data.scans.size(), 0, [&](std::size_t i) {
     const ReportScan& scan = data.scans[i];

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
+
+#include "planegraph/base/angles.h"
 
 namespace planegraph {
 namespace {
@@ -12,7 +13,6 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 // A region is fitted again when it has grown by this share.
 constexpr double kRefit = 1.05;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // A plane with what its points say of its own uncertainty.
 struct FittedPlane {

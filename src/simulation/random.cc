@@ -6,7 +6,7 @@ namespace planegraph {
 namespace {
 
 // Spreads seeds that differ in few bits (SplitMix64, Steele et al. 2014).
-std::uint64_t Mix(std::uint64_t x) {
+std::uint64_t SplitMix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
@@ -15,7 +15,8 @@ std::uint64_t Mix(std::uint64_t x) {
 
 }  // namespace
 
-Random::Random(std::uint64_t seed, std::uint64_t stream) : engine_(Mix(Mix(seed) ^ stream)) {}
+Random::Random(std::uint64_t seed, std::uint64_t stream)
+    : engine_(SplitMix(SplitMix(seed) ^ stream)) {}
 
 double Random::Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
 

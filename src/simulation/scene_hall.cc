@@ -20,7 +20,7 @@ struct HallPlan {
 };
 constexpr double kPartition = 0.16, kDoorWidth = 1.4, kDoorHeight = 2.1, kShell = 0.3;
 
-HallPlan DrawPlan(Random* random) {
+HallPlan DrawHallPlan(Random* random) {
   HallPlan plan{};
   plan.size = {random->Uniform(26.0, 31.0), random->Uniform(17.5, 20.0)};
   plan.height = random->Uniform(5.0, 6.5);
@@ -157,7 +157,7 @@ void AddCupboards(MeshBuilder* builder, const HallPlan& plan, Random* random) {
 }  // namespace
 
 Scene BuildHall(Random* random) {
-  const HallPlan plan = DrawPlan(random);
+  const HallPlan plan = DrawHallPlan(random);
   MeshBuilder builder;
   AddSlab(&builder, {-40.0, -40.0, -1.0}, {plan.size.x() + 40.0, plan.size.y() + 40.0, -0.2});
   AddSlab(&builder, {0.05, 0.05, -0.4}, {plan.size.x() - 0.05, plan.size.y() - 0.05, 0.0});

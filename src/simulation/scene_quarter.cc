@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFoundation = -2.0;  // walls go so far below the floor
+constexpr double kQuarterFoundation = -2.0;  // walls go so far below the floor
 constexpr double kHalfPi = 1.5707963267948966;
 constexpr double kWestStreet = -14.0, kEastStreet = 14.0;  // x of the streets' middles
 
@@ -25,7 +25,7 @@ struct QuarterPlan {
   double hall_floor, gate;  // height of the floor, y of the middle of the gate to the east
 };
 
-QuarterPlan DrawPlan(Random* random) {
+QuarterPlan DrawQuarterPlan(Random* random) {
   QuarterPlan plan;
   const double fall = random->Uniform(0.03, 0.045), rise = random->Uniform(0.02, 0.035);
   const double level = random->Uniform(0.0, 2.5), square = random->Uniform(-17.0, -15.0);
@@ -66,7 +66,7 @@ void AddHall(MeshBuilder* builder, const QuarterPlan& plan, Random* random) {
   constexpr double kGateWidth = 4.0, kRamp = 1.5, kHigh = 3.0;
   Shell shell;
   shell.size = plan.hall_size;
-  shell.bottom = kFoundation;
+  shell.bottom = kQuarterFoundation;
   shell.height = random->Uniform(4.8, 5.8);
   shell.gable = random->Chance(0.5) ? random->Uniform(1.6, 2.6) : 0.0;
   const double gate = plan.gate - 0.5 * kGateWidth;
@@ -77,7 +77,7 @@ void AddHall(MeshBuilder* builder, const QuarterPlan& plan, Random* random) {
   const Rigid3 place = Upright({plan.hall_low.x(), plan.hall_low.y(), plan.hall_floor}, 0.0);
   AddShell(builder, place, shell);
   AddRoof(builder, place, shell, random);
-  AddBox(builder, place, {0.05, 0.05, kFoundation},
+  AddBox(builder, place, {0.05, 0.05, kQuarterFoundation},
          {shell.size.x() - 0.05, shell.size.y() - 0.05, 0.0});
   const double door = plan.hall_low.x() + plan.hall_size.x();
   AddRamp(builder, Upright({door + kRamp, gate - 0.2, -0.02}, kHalfPi),
@@ -111,17 +111,18 @@ std::vector<Opening> DrawFront(double length, double height, bool with_door, Ran
   return openings;
 }
 
-struct Lot {
+struct BuildingLot {
   Vector2d low, high;
   int front;                           // the side with the door
   double lowest = 3.5, highest = 8.0;  // of the eaves, metres
 };
 
-void AddBuilding(MeshBuilder* builder, const Terrain& terrain, const Lot& lot, Random* random) {
+void AddBuilding(MeshBuilder* builder, const Terrain& terrain, const BuildingLot& lot,
+                 Random* random) {
   Shell shell;
   const Vector2d room = lot.high - lot.low;
   shell.size = {room.x() * random->Uniform(0.85, 1.0), room.y() * random->Uniform(0.85, 1.0)};
-  shell.bottom = kFoundation;
+  shell.bottom = kQuarterFoundation;
   shell.height = random->Uniform(lot.lowest, lot.highest);
   shell.thickness = random->Uniform(0.25, 0.4);
   // The ridge runs along x of the shell, which is turned where the lot is deeper than wide.
@@ -150,27 +151,23 @@ void AddBuilding(MeshBuilder* builder, const Terrain& terrain, const Lot& lot, R
 
 void AddBuildings(MeshBuilder* builder, const QuarterPlan& plan, Random* random) {
   const auto edge = [&] { return random->Uniform(-0.8, 0.8); };
-  std::vector<Lot> lots = {{{-7.0, -13.5}, {7.5, 0.0}, 0, 4.5, 8.0},
-                           {{-30.0, -12.0 + edge()}, {-20.0 + edge(), 3.0}, 1, 4.0, 8.0},
-                           {{-29.5, 8.0 + edge()}, {-20.5 + edge(), 24.0}, 1},
-                           {{20.0 + edge(), -12.0 + edge()}, {29.0, 1.0}, 3},
-                           {{20.5 + edge(), 5.5 + edge()}, {29.5, 22.0}, 3, 4.0, 8.0},
-                           {{-10.0 + edge(), -33.0}, {11.0 + edge(), -25.5 + edge()}, 2}};
+  std::vector<BuildingLot> lots = {{{-7.0, -13.5}, {7.5, 0.0}, 0, 4.5, 8.0},
+                                   {{-30.0, -12.0 + edge()}, {-20.0 + edge(), 3.0}, 1, 4.0, 8.0},
+                                   {{-29.5, 8.0 + edge()}, {-20.5 + edge(), 24.0}, 1},
+                                   {{20.0 + edge(), -12.0 + edge()}, {29.0, 1.0}, 3},
+                                   {{20.5 + edge(), 5.5 + edge()}, {29.5, 22.0}, 3, 4.0, 8.0},
+                                   {{-10.0 + edge(), -33.0}, {11.0 + edge(), -25.5 + edge()}, 2}};
   // One of the streets' houses may be missing.
   const int missing = random->Index(8);
   if (missing == 1 || missing == 3) lots.erase(lots.begin() + missing + 1);
-  for (const Lot& lot : lots) AddBuilding(builder, plan.terrain, lot, random);
+  for (const BuildingLot& lot : lots) AddBuilding(builder, plan.terrain, lot, random);
 }
 
 // Closes the gap between the hall and the building to its south, for the streets to be apart.
 void AddGardenWall(MeshBuilder* builder, const QuarterPlan& plan, Random* random) {
   const double height = random->Uniform(2.4, 3.2), x = random->Uniform(-2.0, 2.0);
   AddWall(builder, Upright({x, -2.5, 0.0}, kHalfPi),
-          Wall{plan.hall_low.y() + 2.6, 0.25, kFoundation, height, {}});
-}
-
-Rigid3 OnGround(const Terrain& terrain, const Vector2d& at, double yaw) {
-  return Upright({at.x(), at.y(), terrain.Height(at)}, yaw);
+          Wall{plan.hall_low.y() + 2.6, 0.25, kQuarterFoundation, height, {}});
 }
 
 // A van: a box, and a lower one for its bonnet.
@@ -208,7 +205,7 @@ void AddStreet(MeshBuilder* builder, const Terrain& terrain, const Vector2d& low
 }  // namespace
 
 Scene BuildQuarter(Random* random) {
-  const QuarterPlan plan = DrawPlan(random);
+  const QuarterPlan plan = DrawQuarterPlan(random);
   Scene scene;
   scene.drives = DrawDrives(plan, random);
   scene.probe_height = 2.5;

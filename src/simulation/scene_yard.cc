@@ -11,8 +11,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFoundation = -1.2;  // walls go so far below the floor
-constexpr double kGateLine = 13.0;    // y of the hall's front
+constexpr double kYardFoundation = -1.2;  // walls go so far below the floor
+constexpr double kGateLine = 13.0;        // y of the hall's front
 
 // South of the hall the ground falls and rises again; to the east there is a bank.
 Terrain DrawTerrain(Random* random) {
@@ -35,7 +35,7 @@ struct YardPlan {
   std::vector<Vector2d> path;
 };
 
-YardPlan DrawPlan(Random* random) {
+YardPlan DrawYardPlan(Random* random) {
   YardPlan plan;
   plan.terrain = DrawTerrain(random);
   plan.hall_size = {random->Uniform(14.0, 16.0), random->Uniform(13.0, 16.0)};
@@ -56,7 +56,7 @@ void AddGateHall(MeshBuilder* builder, const YardPlan& plan, Random* random) {
   constexpr double kGateWidth = 4.0, kRamp = 2.0;
   Shell shell;
   shell.size = plan.hall_size;
-  shell.bottom = kFoundation;
+  shell.bottom = kYardFoundation;
   shell.height = random->Uniform(4.6, 5.4);
   shell.gable = random->Uniform(1.8, 2.8);
   const double start = plan.gate - 0.5 * kGateWidth - plan.hall_low.x();
@@ -66,7 +66,7 @@ void AddGateHall(MeshBuilder* builder, const YardPlan& plan, Random* random) {
   const Rigid3 place = Upright({plan.hall_low.x(), plan.hall_low.y(), plan.hall_floor}, 0.0);
   AddShell(builder, place, shell);
   AddPitchedRoof(builder, place, shell, 0.5, 0.25);
-  AddBox(builder, place, {0.05, 0.05, kFoundation},
+  AddBox(builder, place, {0.05, 0.05, kYardFoundation},
          {shell.size.x() - 0.05, shell.size.y() - 0.05, 0.0});
   const Vector2d foot(plan.gate - 0.5 * kGateWidth - 0.2, kGateLine - kRamp);
   const double low = plan.terrain.Height(foot) - 0.02;
@@ -93,7 +93,7 @@ void AddHouse(MeshBuilder* builder, const Terrain& terrain, const Vector2d& cent
               Random* random) {
   Shell shell;
   shell.size = {random->Uniform(7.5, 10.0), random->Uniform(5.0, 6.5)};
-  shell.bottom = kFoundation;
+  shell.bottom = kYardFoundation;
   shell.height = random->Uniform(2.8, 3.8);
   shell.gable = random->Uniform(1.3, 2.4);
   for (int side = 0; side < 4; ++side) {
@@ -111,12 +111,12 @@ void AddHouse(MeshBuilder* builder, const Terrain& terrain, const Vector2d& cent
 }
 
 void AddHouses(MeshBuilder* builder, const Terrain& terrain, Layout* layout, Random* random) {
-  struct Lot {
+  struct HouseLot {
     Vector2d center;
     double yaw;
   };
-  const Lot lots[] = {{{-17.0, -9.5}, 1.57}, {{17.5, -11.0}, -1.57}, {{-17.5, 4.0}, 1.57},
-                      {{17.5, 3.5}, -1.57},  {{-2.0, -25.5}, 3.14},  {{16.5, 18.0}, 0.0}};
+  const HouseLot lots[] = {{{-17.0, -9.5}, 1.57}, {{17.5, -11.0}, -1.57}, {{-17.5, 4.0}, 1.57},
+                           {{17.5, 3.5}, -1.57},  {{-2.0, -25.5}, 3.14},  {{16.5, 18.0}, 0.0}};
   const int houses = 4 + random->Index(3);
   for (int i = 0; i < houses; ++i) {
     const Vector2d shift{random->Uniform(-1.0, 1.0), random->Uniform(-1.0, 1.0)};
@@ -127,10 +127,6 @@ void AddHouses(MeshBuilder* builder, const Terrain& terrain, Layout* layout, Ran
 }
 
 const Vector2d kYardLow(-13.5, -17.0), kYardHigh(14.0, 10.5);
-
-Rigid3 OnGround(const Terrain& terrain, const Vector2d& at, double yaw) {
-  return Upright({at.x(), at.y(), terrain.Height(at)}, yaw);
-}
 
 void AddContainersAndWalls(MeshBuilder* builder, const Terrain& terrain, Layout* layout,
                            Random* random) {
@@ -176,7 +172,7 @@ void AddClutter(MeshBuilder* builder, const Terrain& terrain, Layout* layout, Ra
 }  // namespace
 
 Scene BuildYard(Random* random) {
-  const YardPlan plan = DrawPlan(random);
+  const YardPlan plan = DrawYardPlan(random);
   MeshBuilder builder;
   AddTerrain(&builder, plan.terrain);
   AddGateHall(&builder, plan, random);

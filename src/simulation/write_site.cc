@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/io/cloud_io.h"
 #include "planegraph/io/trajectory_io.h"
@@ -78,7 +78,6 @@ std::string GpsKeys(const std::string& folder) {
 // What SimulateOdometry errs by, in the terms of a site file. Lengths are off by one factor of a
 // run, uniform between its limits and of either sign; yaw errs most of all turns.
 std::string NoiseText(const OdometryOptions& o) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   const double scale = std::sqrt(
       (o.scale_min * o.scale_min + o.scale_min * o.scale_max + o.scale_max * o.scale_max) / 3.0);
   char text[200];

@@ -15,11 +15,11 @@ namespace {
 
 // A relative pose is sure where its lead over the next best one has a chance below one in a
 // hundred.
-constexpr double kSure = -2.0;
+constexpr double kSureToJoin = -2.0;
 // At the end what is left is placed by its best guess, if that has any lead.
 constexpr double kGuess = -1e-3;
 // A join has the error of its two parts' planes; each joint solve takes most of it away.
-constexpr std::array<double, 3> kWidenings = {2.0, 1.0, 1.0};
+constexpr std::array<double, 3> kJointWidenings = {2.0, 1.0, 1.0};
 
 struct PartMotion {
   int target, source;
@@ -46,7 +46,7 @@ class Initializer {
   JointInitialization Run() {
     ProposeJoins();
     MeasureWidening();
-    while (JoinSurestParts(kSure) || JoinSurestParts(kGuess)) Settle();
+    while (JoinSurestParts(kSureToJoin) || JoinSurestParts(kGuess)) Settle();
     if (JoinByRelativePoses()) Settle();
     ChooseAgreeing(1.0);
     WriteBack();
@@ -65,7 +65,7 @@ class Initializer {
   }
 
   void Settle() {
-    for (double widening : kWidenings) {
+    for (double widening : kJointWidenings) {
       ChooseAgreeing(widening);
       const std::vector<NodeState> before = nodes_;
       const std::vector<int> had = AgreeingByNode();
@@ -137,7 +137,8 @@ class Initializer {
   void MeasureWidening() {
     std::vector<double> widenings;
     for (const auto& [parts, proposal] : proposals_) {
-      if (proposal && proposal->log10_chance <= kSure) widenings.push_back(proposal->widening);
+      if (proposal && proposal->log10_chance <= kSureToJoin)
+        widenings.push_back(proposal->widening);
     }
     widening_ = Median(std::move(widenings), 1.0);
   }
@@ -270,7 +271,7 @@ class Initializer {
   int pose_count_;
   NodeViews views_;
   std::map<std::pair<int, int>, std::optional<Proposal>> proposals_;  // by (target, source)
-  double least_sure_ = kSure;                     // log10 of the chance, of all that was joined
+  double least_sure_ = kSureToJoin;               // log10 of the chance, of all that was joined
   double widening_ = 1.0;                         // of the stated deviations, as the pairs found it
   std::vector<NodeState> nodes_;                  // poses, then maps
   std::vector<int> component_;                    // by node
@@ -282,7 +283,7 @@ class Initializer {
 
 JointInitialization InitializeJointly(Graph* graph, const JointInitializationOptions& options) {
   CheckGraph(*graph);
-  if (graph->poses.empty() && graph->maps.empty()) return {{}, {}, {}, true, kSure};
+  if (graph->poses.empty() && graph->maps.empty()) return {{}, {}, {}, true, kSureToJoin};
   return Initializer(graph, options).Run();
 }
 

@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 // Open directions that differ by less are one: sine of 15 degrees.
 constexpr double kSameDirections = 0.26;
 
@@ -174,7 +174,7 @@ void Finder::AddComponents(std::vector<OpenMotion>* motions) const {
   std::stable_sort(motion.parts.begin(), motion.parts.end(),
                    [](const auto& a, const auto& b) { return a.size() > b.size(); });
   motion.degrees_of_freedom = 6 * (static_cast<int>(motion.parts.size()) - 1);
-  motion.sigma_planes = motion.sigma = kInfinity;
+  motion.sigma_planes = motion.sigma = kUnbounded;
   motion.reference = motion.parts[0].front();
   motion.node = motion.parts[1].front();
   motions->push_back(std::move(motion));
@@ -193,7 +193,7 @@ void Finder::AddOpen(int node, MotionKind kind, const Matrix3d& covariance,
   if (found.dimension == 0) return;
   const bool infinite = solver.eigenvalues()[2] >
                         system_->InfiniteVariance(node, kind == MotionKind::kRotation ? 3 : 0);
-  found.sigma = infinite ? kInfinity : std::sqrt(solver.eigenvalues()[2]);
+  found.sigma = infinite ? kUnbounded : std::sqrt(solver.eigenvalues()[2]);
   open->push_back(found);
 }
 
@@ -210,7 +210,7 @@ std::vector<Cluster> Finder::Clusters(int reference, const std::vector<int>& nod
     if (variance <= std::pow(options_.scale_threshold, 2)) continue;
     // A scale of which nothing is known leaves no digits of others: beyond 100 it is infinite.
     open.push_back({node, MotionKind::kScale, Matrix3d::Zero(), 1,
-                    variance > 1e4 ? kInfinity : std::sqrt(variance)});
+                    variance > 1e4 ? kUnbounded : std::sqrt(variance)});
   }
   std::vector<Cluster> clusters;
   for (const OpenNode& one : open) {

@@ -6,7 +6,7 @@ namespace planegraph {
 namespace {
 
 // The shortest text that reads back as the same number.
-std::string Number(const std::optional<double>& value) {
+std::string ExactNumber(const std::optional<double>& value) {
   if (!value) return "";
   char buffer[64];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), *value).ptr};
@@ -27,8 +27,8 @@ std::string Line(const std::vector<std::string>& cells) {
 }
 
 void AddInterval(const std::optional<Interval>& interval, std::vector<std::string>* cells) {
-  cells->push_back(interval ? Number(interval->low) : "");
-  cells->push_back(interval ? Number(interval->high) : "");
+  cells->push_back(interval ? ExactNumber(interval->low) : "");
+  cells->push_back(interval ? ExactNumber(interval->high) : "");
 }
 
 std::vector<std::string> Header(const Experiment& experiment) {
@@ -47,14 +47,14 @@ std::vector<std::string> Header(const Experiment& experiment) {
 
 void AddCell(const SweepCell& cell, std::vector<std::string>* cells) {
   cells->push_back(std::to_string(cell.count));
-  cells->push_back(Number(cell.median));
+  cells->push_back(ExactNumber(cell.median));
   AddInterval(cell.interval, cells);
-  for (const auto& value : {cell.mean, cell.min, cell.max}) cells->push_back(Number(value));
+  for (const auto& value : {cell.mean, cell.min, cell.max}) cells->push_back(ExactNumber(value));
   cells->push_back(std::to_string(cell.pairs));
-  cells->push_back(Number(cell.change));
+  cells->push_back(ExactNumber(cell.change));
   AddInterval(cell.change_interval, cells);
-  cells->push_back(Number(cell.p));
-  cells->push_back(Number(cell.p_holm));
+  cells->push_back(ExactNumber(cell.p));
+  cells->push_back(ExactNumber(cell.p_holm));
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::string RunsCsv(const SweepContent& content) {
                                    content.experiment.variants[run.variant].name,
                                    std::to_string(run.seed), std::to_string(run.exit_code),
                                    run.reason};
-    for (const auto& value : run.values) cells.push_back(Number(value));
+    for (const auto& value : run.values) cells.push_back(ExactNumber(value));
     text += Line(cells);
   }
   return text;

@@ -13,7 +13,7 @@
 namespace planegraph::cli {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using ::testing::HasSubstr;
 
 class LocateJob : public TestFolder {
@@ -30,17 +30,17 @@ class LocateJob : public TestFolder {
     return " --cameras=" + Path("yard/uav/synth_0.out") + " --gps=" + Path("yard/uav/gps.csv") +
            " --image_times=" + Path("yard/uav/images.csv");
   }
-  json Truth() const { return json::parse(ReadTextFile(Path("yard/truth/similarity.json"))); }
+  Json Truth() const { return Json::parse(ReadTextFile(Path("yard/truth/similarity.json"))); }
 
   // Distance of the place that was found from the scan's true one, metres.
-  double Error(const json& found, int scan) const {
-    const json truth = Truth();
+  double Error(const Json& found, int scan) const {
+    const Json truth = Truth();
     std::istringstream lines(ReadTextFile(Path("yard/truth.tum")));
     std::string line;
     for (int k = 0; k <= scan; ++k) std::getline(lines, line);
     double time = 0.0, position[3] = {}, square = 0.0;
     std::istringstream(line) >> time >> position[0] >> position[1] >> position[2];
-    const json& in_map = found["candidates"][0]["map_from_scan"]["translation"];
+    const Json& in_map = found["candidates"][0]["map_from_scan"]["translation"];
     for (int a = 0; a < 3; ++a) {
       double at = truth["t"][a].get<double>();
       for (int b = 0; b < 3; ++b) {
@@ -58,7 +58,7 @@ TEST_F(LocateJob, FindsAScanInAMapBeyondItsMemory) {
     const Outcome tiles = RunTool("locate --json --threads=2 " + Scan(0) + Map() + Gps() +
                                   " --map_memory=" + memory + " --scratch_dir=" + Path(""));
     ASSERT_EQ(tiles.exit_code, 0) << tiles.err;
-    EXPECT_LT(Error(json::parse(tiles.out), 0), 0.2) << memory;
+    EXPECT_LT(Error(Json::parse(tiles.out), 0), 0.2) << memory;
   }
 }
 
@@ -81,17 +81,17 @@ TEST_F(LocateJob, FindsAScanByGpsScaleAndByAStatedOne) {
   for (const std::string& how : {Gps(), std::string(scale)}) {
     const Outcome outcome = RunTool("locate --json " + Scan(0) + Map() + how);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    const json found = json::parse(outcome.out);
+    const Json found = Json::parse(outcome.out);
     EXPECT_EQ(found["status"], "ok");
     EXPECT_EQ(found["reason"], "");
     EXPECT_LT(Error(found, 0), 0.2);
     const double unit = found["candidates"][0]["map_from_scan"]["scale"].get<double>();
     EXPECT_NEAR(unit * Truth()["scale"].get<double>(), 1.0, 0.01);
-    const json& slid = found["slid"];
+    const Json& slid = found["slid"];
     EXPECT_GT(slid["metres"].get<double>(), 0.0);
     EXPECT_LE(slid["probability"].get<double>(), found["chance"].get<double>());
     double square = 0.0;
-    for (const json& d : slid["direction"]) square += d.get<double>() * d.get<double>();
+    for (const Json& d : slid["direction"]) square += d.get<double>() * d.get<double>();
     EXPECT_NEAR(square, 1.0, 1e-9);
   }
 }
@@ -105,7 +105,7 @@ TEST_F(LocateJob, AScanOfAnotherPlaceIsNoResult) {
   const Outcome outcome = RunTool("locate --output=" + Path("found.json") + " " +
                                   Path("corridor/scans/scan000.ply") + Map() + Gps());
   EXPECT_EQ(outcome.exit_code, 3);
-  const json found = json::parse(ReadTextFile(Path("found.json")));
+  const Json found = Json::parse(ReadTextFile(Path("found.json")));
   EXPECT_NE(found["status"], "ok");
   EXPECT_NE(found["reason"], "");
   EXPECT_THAT(outcome.err, HasSubstr(found["reason"].get<std::string>()));

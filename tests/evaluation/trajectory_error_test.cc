@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "evaluation/curve.h"
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 
@@ -12,18 +13,6 @@ namespace planegraph {
 namespace {
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
-
-// A curved path with a pose every 0.1 s.
-Trajectory Curve(std::size_t count) {
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = 0.1 * static_cast<double>(i);
-    trajectory.times.push_back(100.0 + t);
-    trajectory.poses.emplace_back(ExpSO3({0.1 * t, 0.2 * std::sin(t), t}),
-                                  Eigen::Vector3d(3.0 * std::cos(t), 2.0 * std::sin(t), 0.3 * t));
-  }
-  return trajectory;
-}
 
 // A straight path along x with the given positions and no rotation.
 Trajectory Straight(const std::vector<double>& positions) {

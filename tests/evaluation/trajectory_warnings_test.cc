@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <random>
 
+#include "evaluation/curve.h"
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 
@@ -19,17 +20,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 const std::string kData = PLANEGRAPH_SHARED_DATA;
-
-Trajectory Curve(std::size_t count, double turning = 1.0) {
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = 0.1 * static_cast<double>(i);
-    trajectory.times.push_back(100.0 + t);
-    trajectory.poses.emplace_back(ExpSO3(turning * Eigen::Vector3d(0.1 * t, 0.2 * std::sin(t), t)),
-                                  Eigen::Vector3d(3.0 * std::cos(t), 2.0 * std::sin(t), 0.3 * t));
-  }
-  return trajectory;
-}
 
 Trajectory Noisy(Trajectory trajectory, double metres, double radians) {
   std::mt19937 random(7);

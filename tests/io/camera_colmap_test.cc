@@ -14,15 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string ErrorOf(const std::function<void()>& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(no error)";
-}
-
 class ColmapIo : public TestFolder {};
 
 const std::string kColmapCameras = "# comment\n1 PINHOLE 640 480 501 502 320 240\n";

@@ -17,15 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string ErrorOf(const std::function<void()>& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(no error)";
-}
-
 class CameraIo : public TestFolder {
  protected:
   std::string ReadError(const std::string& path) const {

@@ -48,14 +48,6 @@ class CloudPartsTest : public TestFolder {
     EXPECT_EQ(found.colors, expected.colors);
   }
 
-  static std::string ErrorOf(const std::function<void()>& run) {
-    try {
-      run();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
-  }
   // Of the parts and the whole.
   static void ExpectSameError(const std::string& path, std::size_t trace) {
     const std::string whole = ErrorOf([&] { ReadCloud(path); });

@@ -18,13 +18,8 @@ using testing::HasSubstr;
 const std::string kTwoVertices =
     "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 7 1 2 3 0 0 1 0\n";
 
-std::string ErrorOf(const std::string& text) {
-  try {
-    ParseG2o(text, "f.g2o");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(no error)";
+std::string G2oErrorOf(const std::string& text) {
+  return ErrorOf([&] { ParseG2o(text, "f.g2o"); });
 }
 
 std::string Numbers(int first, int last) {
@@ -139,7 +134,7 @@ TEST_F(G2oIo, BadLinesAreNamed) {
       {kTwoVertices + "EDGE_SE3_PRIOR 0 3 0 0 0 0 0 0 1" + Numbers(1, 21) +
            "\nPARAMS_SE3OFFSET 3 0 0 1 0 0 0 1\n",
        "f.g2o:3: its sensor offset"}};
-  for (const auto& c : cases) EXPECT_THAT(ErrorOf(c.text), HasSubstr(c.expected)) << c.text;
+  for (const auto& c : cases) EXPECT_THAT(G2oErrorOf(c.text), HasSubstr(c.expected)) << c.text;
   EXPECT_THROW(ReadG2o(Path("none.g2o")), InputError);
 }
 

@@ -39,16 +39,6 @@ void ExpectPositionsOf(const std::string& path, const std::string& format) {
               positions.intensities.empty());
 }
 
-template <typename Read>
-std::string ErrorOf(const Read& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
-
 TEST_F(PlyPositionsTest, AreThoseOfTheCloudInAllFormats) {
   const Cloud cloud = RandomCloud(kSeveralBlocks);
   for (const std::string ending : {"ply", "pcd", "xyz"}) {

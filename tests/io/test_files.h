@@ -46,4 +46,20 @@ std::string Bytes(T value, bool big_endian = false) {
   return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
 }
 
+template <typename T>
+std::string Triple(T x, T y, T z, bool big_endian = false) {
+  return Bytes(x, big_endian) + Bytes(y, big_endian) + Bytes(z, big_endian);
+}
+
+/// What is wrong with the input, in the words of the error.
+template <typename Read>
+std::string ErrorOf(const Read& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "(no error)";
+}
+
 }  // namespace planegraph

@@ -12,13 +12,8 @@ namespace {
 using testing::HasSubstr;
 using Color = std::array<std::uint8_t, 3>;
 
-std::string ErrorOf(const std::string& text, bool is_3dtk = false) {
-  try {
-    (is_3dtk ? Parse3dtkCloud : ParseXyz)(text, "f.txt");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(no error)";
+std::string TextErrorOf(const std::string& text, bool is_3dtk = false) {
+  return ErrorOf([&] { (is_3dtk ? Parse3dtkCloud : ParseXyz)(text, "f.txt"); });
 }
 
 TEST(Xyz, EverySeparatorWithAndWithoutHeader) {
@@ -95,13 +90,13 @@ TEST(Xyz, AbsurdNumbersDoNotSpoilTheRest) {
 }
 
 TEST(Xyz, BadLinesAreNamed) {
-  EXPECT_THAT(ErrorOf("hello world\n"), HasSubstr("f.txt:1:"));
-  EXPECT_THAT(ErrorOf("1 2 3\n4 5\n"), HasSubstr("f.txt:2: column 3 is missing"));
-  EXPECT_THAT(ErrorOf("1 2 3\n4 five 6\n"), HasSubstr("f.txt:2: column 2 is not a number"));
-  EXPECT_THAT(ErrorOf("1,2,3\n4,,6\n"), HasSubstr("f.txt:2: column 2"));
-  EXPECT_THAT(ErrorOf("1 2 3\n1 2 3x\n"), HasSubstr("f.txt:2: column 3"));
-  EXPECT_THAT(ErrorOf("a,b,c\n1,2,3\n"), HasSubstr("names of columns"));
-  EXPECT_THAT(ErrorOf("1 2\n"), HasSubstr("f.txt:1: column 3"));
+  EXPECT_THAT(TextErrorOf("hello world\n"), HasSubstr("f.txt:1:"));
+  EXPECT_THAT(TextErrorOf("1 2 3\n4 5\n"), HasSubstr("f.txt:2: column 3 is missing"));
+  EXPECT_THAT(TextErrorOf("1 2 3\n4 five 6\n"), HasSubstr("f.txt:2: column 2 is not a number"));
+  EXPECT_THAT(TextErrorOf("1,2,3\n4,,6\n"), HasSubstr("f.txt:2: column 2"));
+  EXPECT_THAT(TextErrorOf("1 2 3\n1 2 3x\n"), HasSubstr("f.txt:2: column 3"));
+  EXPECT_THAT(TextErrorOf("a,b,c\n1,2,3\n"), HasSubstr("names of columns"));
+  EXPECT_THAT(TextErrorOf("1 2\n"), HasSubstr("f.txt:1: column 3"));
   EXPECT_EQ(ParseXyz("", "f").size(), 0u);
   EXPECT_EQ(ParseXyz("# nothing\n", "f").size(), 0u);
 }
@@ -119,8 +114,8 @@ TEST(Cloud3dtk, TenHeaderLinesAtMost) {
   std::string header;
   for (int i = 0; i < 10; ++i) header += "words\n";
   EXPECT_EQ(Parse3dtkCloud(header + "1 2 3\n", "f").size(), 1u);
-  EXPECT_THAT(ErrorOf(header + "words\n1 2 3\n", true), HasSubstr("f.txt:11:"));
-  EXPECT_THAT(ErrorOf("1 2 3\nwords\n", true), HasSubstr("f.txt:2:"));
+  EXPECT_THAT(TextErrorOf(header + "words\n1 2 3\n", true), HasSubstr("f.txt:11:"));
+  EXPECT_THAT(TextErrorOf("1 2 3\nwords\n", true), HasSubstr("f.txt:2:"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "io/test_files.h"
+#include "pipeline/small_site.h"
 #include "planegraph/evaluation/trajectory_error.h"
 #include "planegraph/io/trajectory_io.h"
 #include "planegraph/pipeline/mapper.h"
@@ -36,12 +37,6 @@ SimulatedRobot Part(const SimulatedRobot& robot, const std::string& name, std::s
     part.odometry.push_back(robot.odometry[first].Inverse() * robot.odometry[k]);
   }
   return part;
-}
-
-MapOptions TwoThreads() {
-  MapOptions options;
-  options.threads = 2;
-  return options;
 }
 
 class JoinRobots : public TestFolder {};

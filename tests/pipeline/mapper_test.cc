@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 
 #include "pipeline/small_site.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/evaluation/trajectory_error.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/pipeline/outputs.h"
@@ -20,8 +20,6 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // metres, aligned by least squares
 double AteOf(const std::vector<Rigid3>& estimate, const std::vector<Rigid3>& truth) {

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
-#include <numbers>
-
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/pipeline/chain.h"
 #include "planegraph/pipeline/joint_solve.h"
@@ -10,8 +9,6 @@ namespace planegraph {
 namespace {
 
 using ::testing::ElementsAre;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 PairRecord Pair(std::size_t target, std::size_t source, bool used = true) {
   PairRecord pair{target, source, {}, used, 0.0};

@@ -2,12 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/small_site.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/geometry/rotation.h"
 
 namespace planegraph {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 Rigid3 Disturb(const Rigid3& pose, Random* random) {
   const auto vector = [&] {

@@ -31,9 +31,9 @@ Rigid3 TruePose() {
   return {ExpSO3(Eigen::Vector3d(0.1, -0.2, 0.9)), Eigen::Vector3d(3.0, -1.5, 0.4)};
 }
 
-class Random {
+class RandomMotions {
  public:
-  explicit Random(std::uint64_t seed) : rng_(seed) {}
+  explicit RandomMotions(std::uint64_t seed) : rng_(seed) {}
   Eigen::Vector3d Vector(double size) {
     std::normal_distribution<double> normal(0.0, size);
     const double x = normal(rng_), y = normal(rng_), z = normal(rng_);
@@ -52,7 +52,7 @@ class Random {
 // places of the same planes.
 Matches ExactMatches(const std::vector<Eigen::Vector3d>& normals, const Rigid3& target_from_source,
                      double tilt_sigma = 1e-3) {
-  Random random(7);
+  RandomMotions random(7);
   Matches matches;
   for (const auto& normal : normals) {
     const FittedPlane target = MakePlane(normal, random.Vector(8.0), tilt_sigma);
@@ -64,7 +64,7 @@ Matches ExactMatches(const std::vector<Eigen::Vector3d>& normals, const Rigid3& 
 }
 
 Matches NoisyMatches(std::uint64_t seed, double tilt_sigma = 2e-3, double offset_sigma = 0.01) {
-  Random random(seed);
+  RandomMotions random(seed);
   Matches matches;
   for (int k = 0; k < 9; ++k) {
     const FittedPlane t =
@@ -101,7 +101,7 @@ TEST(ClosedFormTest, TwoDirectionsAreEnoughForTheRotation) {
 }
 
 TEST(ClosedFormTest, NoisyCoplanarNormalsNeverGiveAReflection) {
-  Random random(3);
+  RandomMotions random(3);
   for (int trial = 0; trial < 200; ++trial) {
     Matches matches = ExactMatches({kX, kY, kX + kY}, TruePose());
     for (auto& m : matches) m.source.normal = (m.source.normal + random.Vector(0.02)).normalized();
@@ -182,7 +182,7 @@ TEST(ClosedFormTest, SoftPriorHoldsWhatPlanesLeaveOpen) {
 
 TEST(ClosedFormTest, NoiseOfNormalsIsNoInformation) {
   // Forty walls whose normals scatter by two degrees about x, as their covariance says.
-  Random random(5);
+  RandomMotions random(5);
   std::vector<Eigen::Vector3d> normals;
   for (int k = 0; k < 40; ++k) normals.push_back(kX + random.Vector(0.035));
   const Matches matches = ExactMatches(normals, TruePose(), 0.035);
@@ -206,7 +206,7 @@ TEST(ClosedFormTest, NoPlanesLeaveThePrior) {
 TEST(ClosedFormProperty, MovingTheFramesMovesThePose) {
   const Matches matches = NoisyMatches(1);
   const Rigid3 pose = SolveClosedForm(matches).target_from_source;
-  Random random(9);
+  RandomMotions random(9);
   for (int trial = 0; trial < 20; ++trial) {
     const Rigid3 a = random.Pose(), b = random.Pose();
     Matches moved;

@@ -101,4 +101,9 @@ struct FlightWorld {
   }
 };
 
+inline Georeference Locate(const FlightWorld& world, const GpsTrack& track,
+                           const GeoreferenceOptions& options) {
+  return ComputeGeoreference(world.Model(), track, world.Times(), options);
+}
+
 }  // namespace planegraph

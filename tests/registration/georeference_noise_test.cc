@@ -8,11 +8,6 @@
 namespace planegraph {
 namespace {
 
-Georeference Locate(const FlightWorld& world, const GpsTrack& track,
-                    const GeoreferenceOptions& options) {
-  return ComputeGeoreference(world.Model(), track, world.Times(), options);
-}
-
 TEST(GeoreferenceNoise, ThirtyPercentOfOutliersDoNoHarm) {
   const FlightWorld world;
   std::mt19937_64 rng(4);

@@ -14,11 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Georeference Locate(const FlightWorld& world, const GpsTrack& track,
-                    const GeoreferenceOptions& options) {
-  return ComputeGeoreference(world.Model(), track, world.Times(), options);
-}
-
 TEST(Georeference, ExactDataGiveTheExactSimilarity) {
   const FlightWorld world;
   for (const char* method : {"robust", "paper"}) {

@@ -10,9 +10,9 @@
 namespace planegraph {
 namespace {
 
-class Scene {
+class PointScene {
  public:
-  explicit Scene(std::uint64_t seed) : rng_(seed) {}
+  explicit PointScene(std::uint64_t seed) : rng_(seed) {}
 
   // Points of a rectangle: corner + a * u + b * v, a, b in [0, 1], with 1 cm of noise.
   void AddRectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
@@ -58,8 +58,8 @@ class Scene {
 const Rigid3 kTarget({1, 0, 0, 0}, {0.0, 0.0, 1.0});
 const Rigid3 kSource(ExpSO3(Eigen::Vector3d(0, 0, 0.4)), {0.8, 0.2, 1.0});
 
-Scene CorridorWithClutter(std::uint64_t seed) {
-  Scene scene(seed);
+PointScene CorridorWithClutter(std::uint64_t seed) {
+  PointScene scene(seed);
   scene.AddCorridor(-6, 6);
   scene.AddBox({2, -1.2, 0}, {0.8, 0.5, 1.2});
   scene.AddBox({-3, 0.6, 0}, {0.6, 0.6, 0.9});
@@ -88,7 +88,7 @@ TEST(IcpTest, ClutterGivesTheTranslationAlongACorridor) {
 }
 
 TEST(IcpTest, FeaturelessCorridorIsNotMoved) {
-  Scene a(3), b(4);
+  PointScene a(3), b(4);
   a.AddCorridor(-8, 8);
   b.AddCorridor(-7.3, 8.9);
   Rigid3 start = kTarget.Inverse() * kSource;
@@ -104,7 +104,7 @@ TEST(IcpTest, FeaturelessCorridorIsNotMoved) {
 }
 
 TEST(IcpTest, TwoOpenDirectionsOfWhichOneIsKnown) {
-  Scene a(3), b(4);
+  PointScene a(3), b(4);
   a.AddCorridor(-8, 8);
   b.AddCorridor(-8, 8);
   const Rigid3 truth = kTarget.Inverse() * kSource;

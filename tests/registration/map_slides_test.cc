@@ -11,7 +11,7 @@
 namespace planegraph {
 namespace {
 
-constexpr double kGate = 0.1;
+constexpr double kSlideGate = 0.1;
 
 MapRefinement RefinedAt(const VillageMap& map, const MadeScan& scan, const Sim3& pose) {
   MapRefinementOptions options;
@@ -24,7 +24,7 @@ TEST(ClosestSlide, AmongHousesThePoseLeadsOnEverySide) {
   const Rigid3 pose = MakePose(0, 0, 1.3, 0.4);
   const MadeScan scan(Village(), pose, 1);
   const MapRefinement found = RefinedAt(map, scan, Sim3(pose));
-  const Slide slide = ClosestSlide(map.model(), ScanGroup(scan.model()), found, kGate);
+  const Slide slide = ClosestSlide(map.model(), ScanGroup(scan.model()), found, kSlideGate);
   EXPECT_GT(slide.lead, std::log(1e3));
   EXPECT_GE(slide.metres, 2.0 * MapRefinementOptions().last_gate);
   EXPECT_NEAR((slide.map_from_group.translation - found.map_from_group.translation).norm(),
@@ -38,7 +38,7 @@ TEST(ClosestSlide, OnBareGroundAPoseBesideFitsAsWell) {
   const Rigid3 pose = MakePose(0, 0, 1.3, 0.4);
   const MadeScan scan(ground, pose, 1);
   const MapRefinement found = RefinedAt(map, scan, Sim3(pose));
-  const Slide slide = ClosestSlide(map.model(), ScanGroup(scan.model()), found, kGate);
+  const Slide slide = ClosestSlide(map.model(), ScanGroup(scan.model()), found, kSlideGate);
   EXPECT_LT(std::abs(slide.lead), 1.0);
 }
 
@@ -61,7 +61,7 @@ Slide SlideInStreet(int ends) {
   const Rigid3 pose = MakePose(0, 0, 1.3, 0.1);
   const MadeScan scan(world, pose, 1, 60000);
   return ClosestSlide(map.model(), ScanGroup(scan.model()), RefinedAt(map, scan, Sim3(pose)),
-                      kGate);
+                      kSlideGate);
 }
 
 // However long the wall is and however well it fits: it is one.

@@ -31,18 +31,19 @@ void ExpectWithinThreeSigma(const Refinement& found, const Rigid3& truth) {
   }
 }
 
-const Rigid3 kTarget = MakePose(0.4, -0.3, 1.3, 0.0);
-const Rigid3 kSource = MakePose(-0.9, 0.5, 1.4, 1.2, 0.02, 0.03);
+const Rigid3 kTargetPose = MakePose(0.4, -0.3, 1.3, 0.0);
+const Rigid3 kSourcePose = MakePose(-0.9, 0.5, 1.4, 1.2, 0.02, 0.03);
 
 TEST(Register, FindsTheTruthWithinThreeSigma) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const RayWorld room = FurnishedRoom(seed);
-    const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
+    const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
     const Registration found = Register(ScanModel(target), ScanModel(source));
     ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
-    ExpectWithinThreeSigma(found.refinement, kTarget.Inverse() * kSource);
-    const Vector6d error = PoseError(found.target_from_source(), kTarget.Inverse() * kSource);
+    ExpectWithinThreeSigma(found.refinement, kTargetPose.Inverse() * kSourcePose);
+    const Vector6d error =
+        PoseError(found.target_from_source(), kTargetPose.Inverse() * kSourcePose);
     EXPECT_LT(error.head<3>().norm(), 0.01);
     EXPECT_LT(error.tail<3>().norm(), 0.005);
     EXPECT_GE(found.refinement.correspondences.size(), 6u);
@@ -54,7 +55,7 @@ TEST(Register, AnOkPoseIsAtRest) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
     const RayWorld room = FurnishedRoom(seed);
-    const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
+    const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
     const ScanModel target_model(target), source_model(source);
     const Registration found = Register(target_model, source_model);
     ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
@@ -67,9 +68,9 @@ TEST(Register, AnOkPoseIsAtRest) {
 
 TEST(Register, CorrespondencesAreTheSameSurfaces) {
   const RayWorld room = FurnishedRoom(1);
-  const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
+  const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
   const Registration found = Register(ScanModel(target), ScanModel(source));
-  const Rigid3 truth = kTarget.Inverse() * kSource;
+  const Rigid3 truth = kTargetPose.Inverse() * kSourcePose;
   for (const PlanePair& pair : found.refinement.correspondences) {
     const Plane moved = Transform(truth, source.planes[pair.source].plane);
     EXPECT_GT(moved.normal.dot(target.planes[pair.target].plane.normal), 0.97);
@@ -78,7 +79,7 @@ TEST(Register, CorrespondencesAreTheSameSurfaces) {
 }
 
 TEST(Register, IdenticalScansAreAtTheIdentity) {
-  const PlaneSet planes = PlanesOf(FurnishedRoom(3), kTarget, 1);
+  const PlaneSet planes = PlanesOf(FurnishedRoom(3), kTargetPose, 1);
   const Registration found = Register(ScanModel(planes), ScanModel(planes));
   ASSERT_EQ(found.status, RegistrationStatus::kOk) << found.reason;
   EXPECT_LT(PoseError(found.target_from_source(), Rigid3()).norm(), 1e-4);
@@ -86,7 +87,7 @@ TEST(Register, IdenticalScansAreAtTheIdentity) {
 
 TEST(Register, SwappedScansGiveTheInverse) {
   const RayWorld room = FurnishedRoom(4);
-  const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
+  const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
   const Registration there = Register(ScanModel(target), ScanModel(source));
   const Registration back = Register(ScanModel(source), ScanModel(target));
   ASSERT_EQ(there.status, RegistrationStatus::kOk) << there.reason;
@@ -98,8 +99,8 @@ TEST(Register, SwappedScansGiveTheInverse) {
 
 TEST(Register, AMovedSourceMovesTheResult) {
   const RayWorld room = FurnishedRoom(5);
-  RayScan scan = ScanWorld(room, kSource, 40000, {0.005, 0.0}, 2);
-  const PlaneSet target = PlanesOf(room, kTarget, 1), source = SegmentPlanes(scan.cloud).planes;
+  RayScan scan = ScanWorld(room, kSourcePose, 40000, {0.005, 0.0}, 2);
+  const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = SegmentPlanes(scan.cloud).planes;
   const Rigid3 motion = MakePose(5.0, -3.0, 1.0, 2.5, 0.4, -0.2);
   for (auto& point : scan.cloud.points) point = (motion * point.cast<double>()).cast<float>();
   scan.cloud.viewpoint = motion.translation;
@@ -144,7 +145,7 @@ TEST(Register, OtherRoomsAreNotTakenForThisOne) {
     hexagon.AddFace(3.5 * n + 1.5 * Eigen::Vector3d::UnitZ(), -n, 2.02, 1.5);
   }
   hexagon.AddFace({0, 0, 0}, Eigen::Vector3d::UnitZ(), 4.1, 4.1);
-  const PlaneSet target = PlanesOf(FurnishedRoom(0), kTarget, 1);
+  const PlaneSet target = PlanesOf(FurnishedRoom(0), kTargetPose, 1);
   const PlaneSet source = PlanesOf(hexagon, MakePose(0.3, 0.2, 1.0, 0), 2);
   EXPECT_NE(Register(ScanModel(target), ScanModel(source)).status, RegistrationStatus::kOk);
 }
@@ -187,8 +188,8 @@ TEST(Register, EmptyScansFail) {
 
 TEST(RegisterFromGuess, RefinesTheGuess) {
   const RayWorld room = FurnishedRoom(2);
-  const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
-  const Rigid3 truth = kTarget.Inverse() * kSource;
+  const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
+  const Rigid3 truth = kTargetPose.Inverse() * kSourcePose;
   PosePrior guess{truth, Matrix6d::Identity() * 0.01};
   guess.target_from_source.translation += Eigen::Vector3d(0.15, -0.1, 0.08);
   guess.target_from_source.rotation = ExpSO3({0.02, -0.02, 0.04}) * truth.rotation;
@@ -199,8 +200,8 @@ TEST(RegisterFromGuess, RefinesTheGuess) {
 
 TEST(RegisterFromGuess, AWrongGuessIsNotOk) {
   const RayWorld room = FurnishedRoom(2);
-  const PlaneSet target = PlanesOf(room, kTarget, 1), source = PlanesOf(room, kSource, 2);
-  Rigid3 wrong = kTarget.Inverse() * kSource;
+  const PlaneSet target = PlanesOf(room, kTargetPose, 1), source = PlanesOf(room, kSourcePose, 2);
+  Rigid3 wrong = kTargetPose.Inverse() * kSourcePose;
   wrong.translation += Eigen::Vector3d(3.0, 2.0, 0.0);
   const Registration found =
       RegisterFromGuess(ScanModel(target), ScanModel(source), {wrong, Matrix6d::Identity() * 0.01});

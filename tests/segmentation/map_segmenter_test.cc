@@ -34,13 +34,13 @@ double DegreesBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 // Whether the plane is none of the world's.
 bool IsBevel(const RayWorld& world, const PlaneSegment& plane) {
-  return std::none_of(world.faces.begin(), world.faces.end(), [&](const Rectangle& face) {
+  return std::none_of(world.faces.begin(), world.faces.end(), [&](const Face& face) {
     return DegreesBetween(face.normal(), plane.plane.normal) < 3.0 &&
            std::abs(face.plane().SignedDistance(plane.centroid())) < 0.05;
   });
 }
 
-double Distance(const Rectangle& face, const Eigen::Vector3d& place) {
+double Distance(const Face& face, const Eigen::Vector3d& place) {
   const Eigen::Vector3d d = place - face.centre;
   const double u = std::max(0.0, std::abs(face.u.dot(d)) - face.half_u);
   const double v = std::max(0.0, std::abs(face.v.dot(d)) - face.half_v);
@@ -221,7 +221,7 @@ void TurnNormals(double share, Cloud* cloud) {
 
 // Whether the patch lies on a face and faces as it does; `side` -1: the other way.
 bool FacesLikeItsFace(const RayWorld& world, const Patch& patch, double side) {
-  return std::any_of(world.faces.begin(), world.faces.end(), [&](const Rectangle& face) {
+  return std::any_of(world.faces.begin(), world.faces.end(), [&](const Face& face) {
     return patch.normal.dot(side * face.normal()) > 0.3 &&
            std::abs(face.plane().SignedDistance(patch.moments.mean)) < 0.3;
   });

@@ -14,7 +14,7 @@
 namespace planegraph {
 
 /// A rectangle that is seen from the side its normal u x v points to.
-struct Rectangle {
+struct Face {
   Eigen::Vector3d centre, u, v;  ///< u, v: unit, orthogonal
   double half_u, half_v;         ///< metres
 
@@ -24,7 +24,7 @@ struct Rectangle {
 
 /// A tiny world of rectangles and a laser in it: enough to test with exact truth.
 struct RayWorld {
-  std::vector<Rectangle> faces;
+  std::vector<Face> faces;
 
   void AddFace(const Eigen::Vector3d& centre, const Eigen::Vector3d& normal, double half_u,
                double half_v) {
@@ -92,7 +92,7 @@ inline RayScan ScanWorld(const RayWorld& world, const Rigid3& world_from_scan, i
     double range = max_range;
     int hit = -1;
     for (std::size_t f = 0; f < world.faces.size(); ++f) {
-      const Rectangle& face = world.faces[f];
+      const Face& face = world.faces[f];
       const double towards = face.normal().dot(direction);
       if (towards > -1e-9) continue;
       const double distance = -face.plane().SignedDistance(world_from_scan.translation) / towards;

@@ -13,7 +13,7 @@ inline void AddHouse(const Eigen::Vector3d& foot, const Eigen::Vector3d& size, d
                      RayWorld* world) {
   RayWorld box;
   box.AddBox(foot, size, yaw, 1.0);
-  for (const Rectangle& face : box.faces) {
+  for (const Face& face : box.faces) {
     if (face.normal().z() > -0.5) world->faces.push_back(face);
   }
 }
@@ -33,7 +33,7 @@ inline Cloud SampleFaces(const RayWorld& world, const VisionNoise& noise, std::u
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (std::size_t f = 0; f < world.faces.size(); ++f) {
-    const Rectangle& face = world.faces[f];
+    const Face& face = world.faces[f];
     const double area = 4.0 * face.half_u * face.half_v;
     const int count = static_cast<int>(area / (noise.spacing * noise.spacing));
     for (int k = 0; k < count; ++k) {

@@ -19,7 +19,7 @@ Flight StraightFlight(double seconds) {
   return flight;
 }
 
-GpsOptions WithoutErrors() {
+GpsOptions PerfectGps() {
   GpsOptions options;
   options.bias_sigma = options.drift_sigma = options.white_sigma = Vector3d::Zero();
   options.outlier_share = 0.0;
@@ -53,7 +53,7 @@ TEST(GpsTest, PositionsBetweenImagesLieOnTheLine) {
 TEST(GpsTest, WithoutErrorsOneFixASecondOnTheWay) {
   const Flight flight = StraightFlight(10.5);
   Random random(1);
-  const SimulatedGps track = SimulateGps(flight, WithoutErrors(), &random);
+  const SimulatedGps track = SimulateGps(flight, PerfectGps(), &random);
   ASSERT_EQ(track.times.size(), 11u);
   for (std::size_t k = 0; k < track.times.size(); ++k) {
     EXPECT_DOUBLE_EQ(track.times[k], 100.0 + static_cast<double>(k));
@@ -78,7 +78,7 @@ TEST(GpsTest, DriftIsAGaussMarkovProcessBesideWhiteNoise) {
 }
 
 TEST(GpsTest, TheBiasIsConstantAndItsSpreadAsStated) {
-  GpsOptions options = WithoutErrors();
+  GpsOptions options = PerfectGps();
   options.bias_sigma = {1.0, 2.0, 3.0};
   const Flight flight = StraightFlight(3.0);
   Vector3d squares = Vector3d::Zero();
@@ -96,7 +96,7 @@ TEST(GpsTest, TheBiasIsConstantAndItsSpreadAsStated) {
 }
 
 TEST(GpsTest, AFewFixesAreFarOff) {
-  GpsOptions options = WithoutErrors();
+  GpsOptions options = PerfectGps();
   options.outlier_share = 0.02;
   const Flight flight = StraightFlight(20000.0);
   Random random(5);

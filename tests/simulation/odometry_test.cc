@@ -19,12 +19,12 @@ std::vector<Rigid3> Drive(int count) {
   return poses;
 }
 
-OdometryOptions WithoutErrors() { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+OdometryOptions PerfectOdometry() { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
 
 TEST(OdometryTest, WithoutErrorsIsTheTruthSeenFromTheFirstPose) {
   const auto truth = Drive(6);
   Random random(1);
-  const auto odometry = SimulateOdometry(truth, WithoutErrors(), &random);
+  const auto odometry = SimulateOdometry(truth, PerfectOdometry(), &random);
   ASSERT_EQ(odometry.size(), truth.size());
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const Rigid3 expected = truth[0].Inverse() * truth[k];
@@ -34,7 +34,7 @@ TEST(OdometryTest, WithoutErrorsIsTheTruthSeenFromTheFirstPose) {
 }
 
 TEST(OdometryTest, ScaleErrorLengthensOrShortensEveryStep) {
-  OdometryOptions options = WithoutErrors();
+  OdometryOptions options = PerfectOdometry();
   options.scale_min = options.scale_max = 0.015;
   int longer = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -49,7 +49,7 @@ TEST(OdometryTest, ScaleErrorLengthensOrShortensEveryStep) {
 }
 
 TEST(OdometryTest, StepErrorsHaveTheirSigmas) {
-  OdometryOptions options = WithoutErrors();
+  OdometryOptions options = PerfectOdometry();
   options.step_sigma = 0.01;
   options.forward_sigma = 0.02;
   options.tilt_sigma = 0.003;

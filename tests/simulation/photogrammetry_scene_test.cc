@@ -8,15 +8,12 @@
 #include "planegraph/simulation/mesh_parts.h"
 #include "planegraph/simulation/photogrammetry.h"
 #include "planegraph/simulation/scene.h"
+#include "simulation/in_world.h"
 
 namespace planegraph {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d InWorld(const PhotogrammetryModel& model, std::size_t i) {
-  return model.world_from_map * model.cloud.Position(i);
-}
 
 TEST(PhotogrammetrySceneTest, NothingInsideAClosedHall) {
   MeshBuilder builder;

@@ -10,6 +10,7 @@
 #include "planegraph/base/error.h"
 #include "planegraph/geometry/rotation.h"
 #include "planegraph/simulation/mesh_parts.h"
+#include "simulation/in_world.h"
 
 namespace planegraph {
 namespace {
@@ -45,10 +46,6 @@ PhotogrammetryOptions DepthErrorsAlone() {
   options.hole_share = options.unregistered_share = options.poor_planes = 0.0;
   options.max_sigma = 10.0;
   return options;
-}
-
-Vector3d InWorld(const PhotogrammetryModel& model, std::size_t i) {
-  return model.world_from_map * model.cloud.Position(i);
 }
 
 // Errors of the meadow's depths in units of their standard deviation, with the places.

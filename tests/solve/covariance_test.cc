@@ -17,21 +17,6 @@
 namespace planegraph {
 namespace {
 
-Matrix6d OdometryInformation(double sigma_translation, double sigma_rotation) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(sigma_translation), Eigen::Vector3d::Constant(sigma_rotation);
-  return sigmas.cwiseProduct(sigmas).cwiseInverse().asDiagonal();
-}
-
-void AddOdometry(double sigma_translation, double sigma_rotation, Graph* graph) {
-  for (int i = 0; i + 1 < static_cast<int>(graph->poses.size()); ++i) {
-    const Rigid3 step =
-        graph->poses[i].world_from_node.Inverse() * graph->poses[i + 1].world_from_node;
-    graph->pose_factors.push_back(MakeRelativePose(
-        i, i + 1, step, OdometryInformation(sigma_translation, sigma_rotation), "odometry"));
-  }
-}
-
 // Covariances by ceres::Covariance, whose tangent is that of our manifolds.
 Eigen::MatrixXd CeresCovariance(const Graph& graph, const SolveOptions& options,
                                 const BlockRef& row, const BlockRef& column) {

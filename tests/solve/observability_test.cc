@@ -22,18 +22,6 @@ std::set<std::set<int>> PartsOf(const OpenMotion& motion) {
   return parts;
 }
 
-void AddOdometry(double sigma_translation, double sigma_rotation, Graph* graph) {
-  Vector6d weights;
-  weights << Eigen::Vector3d::Constant(std::pow(sigma_translation, -2)),
-      Eigen::Vector3d::Constant(std::pow(sigma_rotation, -2));
-  for (int i = 0; i + 1 < static_cast<int>(graph->poses.size()); ++i) {
-    const Rigid3 step =
-        graph->poses[i].world_from_node.Inverse() * graph->poses[i + 1].world_from_node;
-    graph->pose_factors.push_back(
-        MakeRelativePose(i, i + 1, step, weights.asDiagonal().toDenseMatrix(), "odometry"));
-  }
-}
-
 // The world moved as a whole.
 Graph Moved(Graph graph, const Rigid3& motion) {
   for (PoseNode& node : graph.poses) node.world_from_node = motion * node.world_from_node;

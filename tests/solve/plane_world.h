@@ -110,4 +110,21 @@ inline double LargestPoseDifference(const Graph& a, const Graph& b) {
   return largest;
 }
 
+inline Matrix6d OdometryInformation(double sigma_translation, double sigma_rotation) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(sigma_translation), Eigen::Vector3d::Constant(sigma_rotation);
+  return sigmas.cwiseProduct(sigmas).cwiseInverse().asDiagonal();
+}
+
+/// The true steps between successive poses as factors of these standard deviations (metres,
+/// radians).
+inline void AddOdometry(double sigma_translation, double sigma_rotation, Graph* graph) {
+  for (int i = 0; i + 1 < static_cast<int>(graph->poses.size()); ++i) {
+    const Rigid3 step =
+        graph->poses[i].world_from_node.Inverse() * graph->poses[i + 1].world_from_node;
+    graph->pose_factors.push_back(MakeRelativePose(
+        i, i + 1, step, OdometryInformation(sigma_translation, sigma_rotation), "odometry"));
+  }
+}
+
 }  // namespace planegraph
