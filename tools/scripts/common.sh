@@ -2,7 +2,9 @@
 set -euo pipefail
 SCRIPTS=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 ROOT=$(cd "$SCRIPTS/../.." && pwd)
-JOBS=${JOBS:-$(nproc)}
+# A compiler takes up to 2 GiB.
+most_jobs=$(awk '/^MemTotal/ {print int($2 / 2097152) + 1}' /proc/meminfo 2>/dev/null || echo 2)
+JOBS=${JOBS:-$(($(nproc) < most_jobs ? $(nproc) : most_jobs))}
 
 # step TEXT: a headline with the time since the start.
 step() { printf '\n== %s (%dm %02ds)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
@@ -27,6 +29,15 @@ install_packages() {
   echo "installing: ${missing[*]}"
   "${as_root[@]}" apt-get update
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# build_once PRESET [TARGET...]: for those who will not change the sources. From nothing it compiles eight of a module's sources
+# as one, in half the time. A compiler cache does better with single ones, and a folder stays as it was begun.
+build_once() {
+  if [ ! -e "$ROOT/build/$1/CMakeCache.txt" ] && ! command -v ccache >/dev/null; then
+    cmake --preset "$1" -S "$ROOT" -DCMAKE_UNITY_BUILD=ON
+  fi
+  build "$@"
 }
 
 # build PRESET [TARGET...]: configures and builds.

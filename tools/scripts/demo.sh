@@ -9,7 +9,7 @@ step "Installing packages"
 install_packages build viewer
 step "Building"
 cd "$ROOT"
-build release planegraph_tool
+build_once release planegraph_tool
 step "Simulating the site"
 "$planegraph" simulate --scene=yard --output_dir="$out/site"
 step "Mapping it"

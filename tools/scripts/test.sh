@@ -37,7 +37,7 @@ step "Installing packages"
 install_packages build viewer test browser pcl
 [ "$long" = no ] || install_packages long
 step "Building"
-build ci
+if [ "$long" = yes ]; then build ci; else build_once ci; fi
 step "Testing"
 run_tests ci
 if [ "$long" = yes ]; then
