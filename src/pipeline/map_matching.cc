@@ -70,11 +70,13 @@ class Placer {
   std::optional<MapPrior::Pose> GpsPrior(const Group& group) const;
   MapLocation Locate(const Group& group, std::size_t map) const;
   void Place(const Group& group, std::size_t map, const MapRefinement& found);
+  void Tell(double share) const;
   void CorrectMap(const Group& group, std::size_t map, const Sim3& metric_from_group);
 
   const PlacementProblem& problem_;
   Placement& placement_;
   std::vector<bool> scale_known_;
+  std::size_t done_ = 0, searches_ = 1;
 };
 
 // World pose of the group by a robot's start, if its first scan is in it.
@@ -136,6 +138,7 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
   const MapRecord& map = problem_.maps[m];
   MapLocationOptions options;
   options.threads = problem_.threads;
+  options.progress = [this](double share) { Tell(share); };
   options.prior.upright = map.has_position();
   // A scale that another group has found is known far better than GPS tells, and elsewhere.
   if (scale_known_[m]) options.prior.scale = 1.0 / placement_.world_from_metric[m].scale;
@@ -158,6 +161,10 @@ MapLocation Placer::Locate(const Group& group, std::size_t m) const {
     options.prior.pose = pose;
   }
   return LocateInMap(problem_.map_models[m], group.group, options);
+}
+
+void Placer::Tell(double share) const {
+  problem_.progress((static_cast<double>(done_) + share) / static_cast<double>(searches_));
 }
 
 // The laser is metric: the first group that is found in a map says what the map's metre is. The
@@ -197,8 +204,9 @@ void Placer::Run(std::vector<MapPairRecord>* records) {
     return StartPrior(MakeGroup(problem_.models, problem_.component, c, placement_.world_from_scan))
         .has_value();
   });
+  searches_ = order.size() * problem_.maps.size();
   for (const int c : order) {
-    for (std::size_t m = 0; m < problem_.maps.size(); ++m) {
+    for (std::size_t m = 0; m < problem_.maps.size(); ++m, ++done_) {
       const auto start = std::chrono::steady_clock::now();
       const Group group =
           MakeGroup(problem_.models, problem_.component, c, placement_.world_from_scan);

@@ -129,8 +129,9 @@ void RegisterInMaps(const std::vector<ScanModel>& models, const MapOptions& opti
   std::vector<MapModel> map_models;
   for (const MapRecord& map : result->maps) map_models.emplace_back(map.planes);
   const std::vector<int> component = Components(result->scans.size(), result->pairs);
+  const auto tell = [&](double share) { options.progress("placing", 0.9 * share); };
   PlaceInMaps({result->site, models, result->scans, component, result->odometry, result->maps,
-               map_models, result->robot_positions, options.threads},
+               map_models, result->robot_positions, options.threads, tell},
               placement, &result->map_pairs);
   std::vector<int> frames = FramesOf(result->site, result->scans);
   for (std::size_t i = 0; i < frames.size(); ++i) {

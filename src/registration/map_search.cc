@@ -1,6 +1,7 @@
 #include "registration/map_search.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "planegraph/base/parallel.h"
@@ -21,6 +22,8 @@ constexpr double kRest = 0.002;
 // small part of the gate.
 constexpr double kSameStartMetres = 0.03, kSameStartRadians = 0.003;  // and of log(scale)
 constexpr double kMostScaleSigmas = 5.0;
+
+constexpr double kShareOfVotes = 0.5;  // of the search's time, about; the rest is refinement
 
 // Share of agreement, quickly: for a first look at many hypotheses.
 double Agreement(const MapModel& map, const std::vector<GroupSample>& samples, const Sim3& pose,
@@ -80,12 +83,15 @@ std::vector<Start> FindStarts(const MapModel& map, const ScanGroup& group,
   const auto anchors = Anchors(group, kAnchorDistance, kMostAnchors);
   const std::size_t most = std::max<std::size_t>(12, options.most_refined / anchors.size());
   std::vector<Start> starts;
-  for (const std::size_t anchor : anchors) {
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const std::size_t anchor = anchors[k];
     const MapPrior prior = PriorOf(options.prior, group.group_from_scan[anchor]);
     for (const Sim3& pose :
          FirstLook(map, Around(group, anchor, kAnchorRadius), prior, most, options)) {
       starts.push_back({anchor, pose});
     }
+    options.progress(kShareOfVotes * static_cast<double>(k + 1) /
+                     static_cast<double>(anchors.size()));
   }
   return starts;
 }
@@ -158,12 +164,20 @@ std::vector<std::size_t> FirstOfSame(const std::vector<Start>& starts) {
 std::vector<MapCandidate> SearchMap(const MapModel& map, const ScanGroup& group,
                                     const MapLocationOptions& options) {
   std::vector<Start> starts = FindStarts(map, group, options);
-  ParallelFor(starts.size(), options.threads,
-              [&](std::size_t i) { Approach(map, group, options, &starts[i]); });
+  std::atomic<std::size_t> done{0};
+  const auto tell = [&] {
+    const double share = 0.5 * static_cast<double>(++done) / static_cast<double>(starts.size());
+    options.progress(kShareOfVotes + (1.0 - kShareOfVotes) * share);
+  };
+  ParallelFor(starts.size(), options.threads, [&](std::size_t i) {
+    Approach(map, group, options, &starts[i]);
+    tell();
+  });
   const std::vector<std::size_t> first = FirstOfSame(starts);
   std::vector<MapCandidate> candidates(starts.size());
   ParallelFor(starts.size(), options.threads, [&](std::size_t i) {
     if (first[i] == i) candidates[i] = RefineFrom(map, group, starts[i], options);
+    tell();
   });
   // Each counts as before: how often a place is met is part of what is known of wrong ones.
   for (std::size_t i = 0; i < starts.size(); ++i) candidates[i] = candidates[first[i]];

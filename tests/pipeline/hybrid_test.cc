@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -194,13 +195,27 @@ TEST_F(HybridYard, WarningsComeWhenTheyArise) {
   site.maps[0].scale = 2.0;
   MapOptions options = Options("graph");
   std::vector<std::string> events;
-  options.warn = [&](const std::string& text) { events.push_back(text); };
-  options.progress = [&](const std::string& stage, double) { events.push_back(stage); };
+  std::vector<double> placing;
+  std::mutex mutex;
+  options.warn = [&](const std::string& text) {
+    const std::lock_guard lock(mutex);
+    events.push_back(text);
+  };
+  options.progress = [&](const std::string& stage, double done) {
+    const std::lock_guard lock(mutex);
+    events.push_back(stage);
+    if (stage == "placing") placing.push_back(done);
+  };
   const MapResult result = MapScans(site, options);
   ASSERT_THAT(result.warnings, ElementsAre(HasSubstr("`scale` is not used")));
   const auto warning = std::find(events.begin(), events.end(), result.warnings[0]);
   EXPECT_LT(warning, std::find(events.begin(), events.end(), "placing"));
   EXPECT_EQ(std::count(events.begin(), events.end(), result.warnings[0]), 1);
+  // And how long it will be: no step of the search takes more than half of the whole.
+  std::sort(placing.begin(), placing.end());
+  EXPECT_EQ(placing.front(), 0.0);
+  EXPECT_EQ(placing.back(), 1.0);
+  for (std::size_t i = 1; i < placing.size(); ++i) EXPECT_LE(placing[i] - placing[i - 1], 0.5);
 }
 
 // Of the model's cloud, which is also where its sparse points lie, a part, or all of it moved.

@@ -43,6 +43,7 @@ struct PlacementProblem {
   const std::vector<MapModel>& map_models;
   const std::vector<RobotPosition>& robot_positions;
   int threads = 0;
+  std::function<void(double)> progress = [](double) {};  ///< share done, from any thread
 };
 
 /// Places the components of scans (rigid groups, joined by registrations) in the maps: near the

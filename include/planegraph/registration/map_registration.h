@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct MapLocationOptions {
   double gate = 0.1;                  ///< metres, of the evidence; five sigmas of the map at least
   double most_chance = 1e-3;          ///< largest probability of an error that is still `ok`
   int threads = 1;
+  /// Is told the share of the search that is done, from any thread.
+  std::function<void(double)> progress = [](double) {};
 };
 
 /// The pose some decimetres beside the best one that rivals it most.
