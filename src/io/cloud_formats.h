@@ -24,7 +24,7 @@ Cloud ParsePly(std::string_view bytes, const std::string& file);
 /// The points of a merged map by their sources, read by blocks from the start of a stream that can
 /// seek. Nothing where it is no whole map.ply as MapPlyWriter writes it.
 std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file,
-                                     std::size_t most_vision = kEveryPoint);
+                                     std::size_t most = kEveryPoint);
 /// A PLY with an int `plane` per point; nothing where it is another PLY or none.
 std::optional<LabelledCloud> ParseLabelledPly(std::string_view bytes, const std::string& file);
 Cloud ParsePcd(std::string_view bytes, const std::string& file);

@@ -74,6 +74,15 @@ MapPlyPoint ParseRecord(const char* record) {
   return point;
 }
 
+// How many records the rest of the stream has room for.
+std::uint64_t RecordsLeft(std::istream* stream) {
+  const std::istream::pos_type here = stream->tellg();
+  stream->seekg(0, std::ios::end);
+  const std::istream::off_type bytes = stream->tellg() - here;
+  stream->seekg(here);
+  return bytes > 0 ? static_cast<std::uint64_t>(bytes) / kRecordBytes : 0;
+}
+
 // The stretches of a file of which a sample has one point each.
 class Stretches {
  public:
@@ -97,69 +106,87 @@ class Stretches {
   std::uint64_t count_, stretches_;
 };
 
-// Gathers the points of a map by their sources. Of the drone's, which may be any number, every
-// second one is let go whenever there are too many.
+// Gathers the points of one source, which may be any number: every second one is let go whenever
+// there are too many.
+class Thinned {
+ public:
+  Thinned(std::size_t most, Cloud* cloud) : most_(most), cloud_(cloud) {}
+
+  void Add(const Eigen::Vector3f& point, const char* colour) {
+    if (seen_++ % stride_ != 0) return;
+    cloud_->points.push_back(point);
+    if (colour != nullptr) std::memcpy(cloud_->colors.emplace_back().data(), colour, 3);
+    if (cloud_->size() > most_) Halve();
+  }
+
+ private:
+  void Halve() {
+    KeepEverySecond(&cloud_->points);
+    KeepEverySecond(&cloud_->colors);
+    stride_ *= 2;
+  }
+  template <typename T>
+  static void KeepEverySecond(std::vector<T>* values) {
+    const std::size_t kept = (values->size() + 1) / 2;
+    for (std::size_t i = 0; i < kept; ++i) (*values)[i] = (*values)[2 * i];
+    values->resize(kept);
+  }
+
+  std::size_t most_;
+  Cloud* cloud_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+};
+
+// Gathers the points of a map by their sources.
 class Gatherer {
  public:
-  Gatherer(const Eigen::Vector3d& offset, std::size_t most_vision) : most_(most_vision) {
-    map_.laser.offset = map_.vision.offset = offset;
+  Gatherer(const Eigen::Vector3d& offset, std::size_t most, MergedMap* map)
+      : laser_(most, &map->laser), vision_(most, &map->vision) {
+    map->laser.offset = map->vision.offset = offset;
   }
 
   void Add(const char* record) {
     Eigen::Vector3f point;
     std::memcpy(point.data(), record, sizeof(float) * 3);
     if (!point.allFinite()) return;
-    if (record[kPlaceOfSource] != static_cast<char>(PointSource::kVision)) {
-      map_.laser.points.push_back(point);
-      return;
+    if (record[kPlaceOfSource] == static_cast<char>(PointSource::kVision)) {
+      vision_.Add(point, record + kPlaceOfColour);
+    } else {
+      laser_.Add(point, nullptr);
     }
-    if (seen_++ % stride_ != 0) return;
-    map_.vision.points.push_back(point);
-    std::memcpy(map_.vision.colors.emplace_back().data(), record + kPlaceOfColour, 3);
-    if (map_.vision.size() > most_) Halve();
   }
-  MergedMap Take() { return std::move(map_); }
 
  private:
-  void Halve() {
-    const std::size_t kept = (map_.vision.size() + 1) / 2;
-    for (std::size_t i = 0; i < kept; ++i) {
-      map_.vision.points[i] = map_.vision.points[2 * i];
-      map_.vision.colors[i] = map_.vision.colors[2 * i];
-    }
-    map_.vision.points.resize(kept);
-    map_.vision.colors.resize(kept);
-    stride_ *= 2;
-  }
-
-  MergedMap map_;
-  std::size_t most_;
-  std::uint64_t seen_ = 0, stride_ = 1;
+  Thinned laser_, vision_;
 };
 
 }  // namespace
 
 std::optional<MergedMap> ParseMapPly(std::istream* stream, const std::string& file,
-                                     std::size_t most_vision) {
+                                     std::size_t most) {
   const std::optional<PlyHeader> header = OpenOurs(stream, file);
   if (!header) return {};
-  Gatherer gatherer(*header->offset, most_vision);
-  const bool whole = ForEachBlock(stream, header->elements.front().count,
-                                  [&](std::uint64_t, std::size_t points, const char* records) {
-                                    for (std::size_t i = 0; i < points; ++i) {
-                                      gatherer.Add(records + i * kRecordBytes);
-                                    }
-                                  });
+  const std::uint64_t count = header->elements.front().count;
+  if (count > RecordsLeft(stream)) return {};
+  MergedMap map;
+  map.laser.points.reserve(std::min<std::uint64_t>(count, most));  // most maps have nothing else
+  Gatherer gatherer(*header->offset, most, &map);
+  const bool whole =
+      ForEachBlock(stream, count, [&](std::uint64_t, std::size_t points, const char* records) {
+        for (std::size_t i = 0; i < points; ++i) {
+          gatherer.Add(records + i * kRecordBytes);
+        }
+      });
   if (!whole) return {};
-  return gatherer.Take();
+  return map;
 }
 
-MergedMap ReadMapPly(const std::string& path, std::size_t most_vision) {
+MergedMap ReadMapPly(const std::string& path, std::size_t most) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) {  // what a pipe gave would be gone
     std::ifstream stream(path, std::ios::binary);
     if (stream) {
-      if (auto map = ParseMapPly(&stream, path, most_vision)) return std::move(*map);
+      if (auto map = ParseMapPly(&stream, path, most)) return std::move(*map);
     }
   }
   // Every other file, and what is wrong with one.

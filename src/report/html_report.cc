@@ -28,10 +28,10 @@ Json ReadReport(const std::string& path) {
 }
 
 MergedMap ReadMap(const std::string& path) {
-  constexpr std::size_t kEnoughVision = 8000000;  // some ten for each pixel of its picture
+  constexpr std::size_t kEnough = 8000000;  // of each source: some ten for each pixel of a picture
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return {};
-  return ReadMapPly(path, kEnoughVision);
+  return ReadMapPly(path, kEnough);
 }
 
 std::string Head(const std::string& name) {

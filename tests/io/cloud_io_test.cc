@@ -161,7 +161,7 @@ TEST_F(CloudIo, MapPlyIsReadBackBySources) {
   EXPECT_EQ(map.vision.offset, offset);
 }
 
-TEST_F(CloudIo, OfTooManyDronePointsEverySecondOneStays) {
+TEST_F(CloudIo, OfTooManyPointsOfASourceEverySecondOneStays) {
   const Cloud cloud = RandomCloud(1000, true);
   {
     MapPlyWriter writer(Path("map.ply"), Eigen::Vector3d::Zero());
@@ -173,13 +173,13 @@ TEST_F(CloudIo, OfTooManyDronePointsEverySecondOneStays) {
   }
   for (const std::size_t most : {1, 2, 30, 999, 1000, 5000}) {
     const MergedMap map = ReadMapPly(Path("map.ply"), most);
-    EXPECT_EQ(map.laser.points, cloud.points) << "all";
     ASSERT_LE(map.vision.size(), most);
     EXPECT_GT(2 * map.vision.size(), std::min(most, cloud.size()) - 1);
     std::uint32_t step = 1;
     while (cloud.size() > most * step) step *= 2;
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < cloud.size(); i += step) kept.push_back(i);
+    EXPECT_EQ(map.laser.points, Select(cloud, kept).points) << most;
     EXPECT_EQ(map.vision.points, Select(cloud, kept).points) << most;
     EXPECT_EQ(map.vision.colors, Select(cloud, kept).colors) << most;
   }

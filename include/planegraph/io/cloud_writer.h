@@ -64,10 +64,10 @@ struct MergedMap {
 
 inline constexpr std::size_t kEveryPoint = static_cast<std::size_t>(-1);
 
-/// Reads map.ply back, a block at a time. Of more than `most_vision` points of drones every second
-/// one stays, or every fourth, and so on. The points of any other PLY are the laser's. Points with
-/// a NaN or infinite coordinate are dropped. Throws InputError.
-MergedMap ReadMapPly(const std::string& path, std::size_t most_vision = kEveryPoint);
+/// Reads map.ply back, a block at a time. Of more than `most` points of lasers, or of drones, every
+/// second one stays, or every fourth, and so on. The points of any other PLY are the laser's, all
+/// of them. Points with a NaN or infinite coordinate are dropped. Throws InputError.
+MergedMap ReadMapPly(const std::string& path, std::size_t most = kEveryPoint);
 
 /// A point of a merged map with all that map.ply says of it.
 struct MapPlyPoint {
