@@ -2,6 +2,9 @@
 // codes.
 #include <gflags/gflags.h>
 #include <glog/logging.h>
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <iostream>
@@ -130,7 +133,18 @@ int Dispatch(int argc, char** argv) {
                    DidYouMean(NearestName(name, names), ""));
 }
 
+// Keeps what is freed for the next scan, instead of giving it back to the system and asking for it
+// again: a tenth of the time of `map` is that of pages that come and go.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kLargest = 32 << 20;  // bytes: the most that glibc takes for the first
+  mallopt(M_MMAP_THRESHOLD, kLargest);
+  mallopt(M_TRIM_THRESHOLD, 8 * kLargest);
+#endif
+}
+
 int Run(int argc, char** argv) {
+  KeepFreedMemory();
   try {
     return Dispatch(argc, argv);
   } catch (const UsageError& error) {
