@@ -291,7 +291,7 @@ std::vector<MapPairRecord> RegisterToMaps(const std::vector<ScanModel>& models,
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t m = 0; m < map_models.size(); ++m) {
     for (std::size_t i = 0; i < models.size(); ++i) {
-      if (placement.placed[i]) jobs.push_back({m, i});
+      if (placement.placed[i]) jobs.emplace_back(m, i);
     }
   }
   std::vector<MapPairRecord> records(jobs.size());
