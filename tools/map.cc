@@ -5,6 +5,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "planegraph/base/angles.h"
 #include "planegraph/base/atomic_file.h"
 #include "planegraph/base/counted.h"
 #include "planegraph/base/error.h"
@@ -83,7 +84,7 @@ void PrintEvaluation(const nlohmann::json& evaluation) {
                 e["ate"]["rmse"].get<double>(), e["ate"]["alignment"].get<std::string>().c_str());
     if (e.contains("rpe")) {
       std::printf(", RPE %.4f m / %.3f deg", e["rpe"]["rmse"].get<double>(),
-                  e["rpe"]["rotation"]["rmse"].get<double>() * 57.29577951308232);
+                  e["rpe"]["rotation"]["rmse"].get<double>() * kDegreesPerRadian);
     }
     std::printf("\n");
   }

@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "correspondence/same_direction.h"
 
 namespace planegraph {
-namespace {
-
-const double kOneMainDirection = std::cos(6.0 * std::numbers::pi / 180.0);
-
-}  // namespace
 
 ScanGroup Around(const ScanGroup& group, std::size_t anchor, double radius) {
   const Rigid3 anchor_from_group = group.group_from_scan[anchor].Inverse();
@@ -71,7 +67,7 @@ std::vector<DirectionCluster> DirectionsOf(const ScanGroup& group) {
       const Eigen::Vector3d direction = group.group_from_scan[s].rotation * cluster.direction;
       const double area = cluster.weight * cluster.weight;
       const auto same = std::find_if(merged.begin(), merged.end(), [&](const auto& m) {
-        return m.direction.dot(direction) > kOneMainDirection;
+        return m.direction.dot(direction) > kOneDirection;
       });
       if (same == merged.end()) {
         merged.push_back({direction, area, {}});

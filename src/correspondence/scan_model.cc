@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
+
+#include "correspondence/same_direction.h"
 
 namespace planegraph {
 namespace {
@@ -11,7 +12,6 @@ namespace {
 constexpr std::size_t kMostPlanes = 80;  // for directions and votes
 constexpr std::size_t kMostDirections = 16;
 constexpr std::size_t kSamples = 256;
-const double kSameDirection = std::cos(6.0 * std::numbers::pi / 180.0);
 
 std::vector<std::int32_t> LargestPlanes(const PlaneSet& set) {
   std::vector<std::int32_t> order(set.planes.size());
@@ -29,7 +29,7 @@ std::vector<DirectionCluster> ClusterDirections(const PlaneSet& set) {
   for (const std::int32_t p : LargestPlanes(set)) {
     const PlaneSegment& plane = set.planes[p];
     std::size_t best = clusters.size();
-    double cosine = kSameDirection;
+    double cosine = kOneDirection;
     for (std::size_t k = 0; k < clusters.size(); ++k) {
       const double c = clusters[k].direction.dot(plane.plane.normal);
       if (c > cosine) cosine = c, best = k;

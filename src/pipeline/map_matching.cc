@@ -9,6 +9,7 @@
 #include <set>
 
 #include "pipeline/lap.h"
+#include "planegraph/base/angles.h"
 #include "planegraph/base/median.h"
 #include "planegraph/base/parallel.h"
 #include "planegraph/geometry/rotation.h"
@@ -251,7 +252,7 @@ void Decide(const Sim3& expected, MapPairRecord* record) {
     std::snprintf(text, sizeof(text), "too little to stand by itself: sigma %.2f m", sigma);
   } else if (off > kMostOff || turned > kMostTurned) {
     std::snprintf(text, sizeof(text), "differs from the scan's group by %.2f m and %.2f deg", off,
-                  turned * 57.29577951308232);
+                  turned * kDegreesPerRadian);
   } else {
     record->status = RegistrationStatus::kOk;
     record->used = true;
