@@ -36,7 +36,7 @@ std::vector<DirectionCluster> ClusterDirections(const PlaneSet& set) {
     }
     if (best == clusters.size()) {
       clusters.emplace_back();
-      sums.push_back(Eigen::Vector3d::Zero());
+      sums.emplace_back(Eigen::Vector3d::Zero());
     }
     sums[best] += plane.area * plane.plane.normal;
     clusters[best].direction = sums[best].normalized();
